@@ -1,0 +1,1 @@
+"""What a person writes: frozen descriptions of everything in a scene. Nothing here is compiled."""

@@ -1,0 +1,161 @@
+"""What surfaces are made of: descriptions, one class for each kind (FoCG 4.5, 10; glTF 2.0 section 3.9).
+
+A surface receives irradiance E; the book's intensity I is E/pi, so that its formulas are literally what is computed:
+``(kd n.l + ks (n.h)^p) E/pi``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from ..errors import SceneError
+from ._values import Triple, finite, triple, unit_interval
+from .texture import Texture
+
+__all__ = ["AlphaMode", "BlinnPhong", "Lambert", "Material", "MetallicRoughness"]
+
+AlphaMode = Literal["opaque", "mask", "blend"]
+
+
+def _check_surface(material: Material) -> None:
+    if material.alpha_mode not in ("opaque", "mask", "blend"):
+        raise SceneError(f'material.alpha_mode must be "opaque", "mask" or "blend", got {material.alpha_mode!r}', material.name)
+    _put_number(material, "alpha", 0.0, 1.0)
+    _put_number(material, "alpha_cutoff", 0.0, 1e30)
+
+
+def _put_number(material: Material, field: str, least: float, most: float) -> None:
+    value = finite(getattr(material, field), f"material.{field}")
+    if not least <= value <= most:
+        raise SceneError(f"material.{field} must lie in [{least:g}, {most:g}], got {value}", material.name)
+    object.__setattr__(material, field, value)
+
+
+def _put_color(material: Material, field: str) -> None:
+    object.__setattr__(material, field, triple(getattr(material, field), f"material.{field}", minimum=0.0))
+
+
+@dataclass(frozen=True)
+class Lambert:
+    """A matte surface (FoCG 4.5.1, 10.1): radiance ``kd/pi E``.
+
+    Parameters
+    ----------
+    color : three floats >= 0
+        The diffuse coefficient kd, linear Rec. 709.
+    texture : Texture, optional
+        Multiplies `color` (and its alpha `alpha`).
+    emission : three floats >= 0
+        Radiance that the surface itself gives off.
+    double_sided : bool
+        False: its back is not drawn.
+    """
+
+    color: Triple = (0.8, 0.8, 0.8)
+    texture: Texture | None = None
+    emission: Triple = (0.0, 0.0, 0.0)
+    double_sided: bool = True
+    alpha: float = 1.0
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _put_color(self, "color")
+        _put_color(self, "emission")
+        _check_surface(self)
+
+
+@dataclass(frozen=True)
+class BlinnPhong:
+    """Diffuse, a highlight, ambient, and an ideal mirror (FoCG 4.5.2-4.5.3, 4.8, 10.2).
+
+    Parameters
+    ----------
+    diffuse, specular : three floats >= 0
+        kd and ks (the book's c_r and c_p).
+    exponent : float > 0
+        The Phong exponent p.
+    ambient : three floats >= 0, optional
+        ka; None: the diffuse coefficient, texture and all.
+    mirror : three floats >= 0
+        km: what an ideal reflection is multiplied by.
+    normalized : bool
+        Scale the highlight by (p + 8) / 8, so that its energy does not depend on p (Akenine-Möller et al.,
+        *Real-Time Rendering*, 3rd ed., 7.6); the book's formula is without.
+    diffuse_texture, specular_texture : Texture, optional
+        Multiply kd and ks.
+    """
+
+    diffuse: Triple = (0.8, 0.8, 0.8)
+    specular: Triple = (0.0, 0.0, 0.0)
+    exponent: float = 32.0
+    ambient: Triple | None = None
+    mirror: Triple = (0.0, 0.0, 0.0)
+    emission: Triple = (0.0, 0.0, 0.0)
+    normalized: bool = False
+    diffuse_texture: Texture | None = None
+    specular_texture: Texture | None = None
+    double_sided: bool = True
+    alpha: float = 1.0
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for field in ("diffuse", "specular", "mirror", "emission"):
+            _put_color(self, field)
+        if self.ambient is not None:
+            _put_color(self, "ambient")
+        _put_number(self, "exponent", 0.0, 1e6)
+        _check_surface(self)
+
+
+@dataclass(frozen=True)
+class MetallicRoughness:
+    """The core material of glTF 2.0 (section 3.9.2, appendix B).
+
+    Parameters
+    ----------
+    base_color : three floats >= 0
+    metallic, roughness : floats in [0, 1]
+    base_color_texture, metallic_roughness_texture, emissive_texture, normal_texture, occlusion_texture : Texture, optional
+        As in glTF: roughness in G, metallic in B, occlusion in R; colours sRGB-encoded.
+    normal_scale, occlusion_strength : float
+    emission : three floats >= 0
+        Emissive factor times emissive strength.
+    unlit : bool
+        Show the base colour as it is (KHR_materials_unlit).
+    double_sided : bool
+        False: its back is not drawn.
+    """
+
+    base_color: Triple = (1.0, 1.0, 1.0)
+    metallic: float = 1.0
+    roughness: float = 1.0
+    base_color_texture: Texture | None = None
+    metallic_roughness_texture: Texture | None = None
+    normal_texture: Texture | None = None
+    normal_scale: float = 1.0
+    occlusion_texture: Texture | None = None
+    occlusion_strength: float = 1.0
+    emission: Triple = (0.0, 0.0, 0.0)
+    emissive_texture: Texture | None = None
+    unlit: bool = False
+    double_sided: bool = False
+    alpha: float = 1.0
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _put_color(self, "base_color")
+        _put_color(self, "emission")
+        for field in ("metallic", "roughness", "occlusion_strength"):
+            object.__setattr__(self, field, unit_interval(getattr(self, field), f"material.{field}"))
+        _put_number(self, "normal_scale", -1e6, 1e6)
+        _check_surface(self)
+
+
+Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness

@@ -1,0 +1,72 @@
+"""The scene graph (FoCG 12.2): a node places what it holds, and its children, in its parent's space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError
+from ._values import matrix4
+from .camera import Camera
+from .light import Light
+from .shape import Shape
+
+__all__ = ["MAX_DEPTH", "Node", "Placed"]
+
+MAX_DEPTH = 512
+
+
+class Placed(NamedTuple):
+    """A node with its path from the root ("world/car/wheel") and its place in the world."""
+
+    node: Node
+    path: str
+    world_from_object: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A place in the scene.
+
+    Parameters
+    ----------
+    name : str
+    parent_from_node : (4, 4) float64
+        Affine; column vectors.
+    shapes, lights, cameras : tuples
+        What stands here.
+    children : tuple of Node
+    visible : bool
+        False: neither it nor its children are drawn.
+    """
+
+    name: str = ""
+    parent_from_node: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    shapes: tuple[Shape, ...] = ()
+    lights: tuple[Light, ...] = ()
+    cameras: tuple[Camera, ...] = ()
+    children: tuple[Node, ...] = ()
+    visible: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parent_from_node", matrix4(self.parent_from_node, f"node.parent_from_node of {self.name!r}"))
+        for name in ("shapes", "lights", "cameras", "children"):
+            given = getattr(self, name)
+            object.__setattr__(self, name, tuple(given) if isinstance(given, (tuple, list)) else (given,))
+
+    def walk(self) -> Iterator[Placed]:
+        """Yield this node and all below it, parents first, each with its path and its place; without recursion."""
+        stack = [(self, self.name or "world", np.eye(4), 0)]
+        while stack:
+            node, path, world_from_parent, depth = stack.pop()
+            if depth > MAX_DEPTH:
+                raise SceneError(f"the scene graph must not be deeper than {MAX_DEPTH} nodes", path[:80] + "…")
+            world_from_object = world_from_parent @ node.parent_from_node
+            yield Placed(node, path, world_from_object)
+            for index in reversed(range(len(node.children))):
+                child = node.children[index]
+                stack.append((child, f"{path}/{child.name or index}", world_from_object, depth + 1))

@@ -1,0 +1,116 @@
+"""A whole scene: a graph of nodes, the camera to see it with, what lies behind it, and what was said while it was read."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.mesh import Mesh
+from ._values import Triple, triple
+from .camera import Camera
+from .light import Light
+from .node import Node, Placed
+from .shape import Box, Shape, Sphere
+
+__all__ = ["Scene"]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What there is to see.
+
+    Parameters
+    ----------
+    root : Node
+    camera : Camera, optional
+        World space; None: the first camera of the graph, or one that frames everything.
+    background : three floats >= 0, or None
+        Radiance behind everything; None: transparent.
+    name : str
+    notes : tuple of str
+        What a reader approximated, ignored or repaired.
+
+    A change is a copy: ``scene.replace(camera=...)``.
+    """
+
+    root: Node = field(default_factory=Node)
+    camera: Camera | None = None
+    background: Triple | None = None
+    name: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.background is not None:
+            object.__setattr__(self, "background", triple(self.background, "scene.background", minimum=0.0))
+
+    def replace(self, **changes: Any) -> Scene:
+        """Return a copy with the given fields changed."""
+        return dataclasses.replace(self, **changes)
+
+    def walk(self) -> Iterator[Placed]:
+        """Yield the visible nodes, parents first."""
+        hidden: list[str] = []
+        for placed in self.root.walk():
+            if any(placed.path.startswith(path + "/") for path in hidden):
+                continue
+            if not placed.node.visible:
+                hidden.append(placed.path)
+                continue
+            yield placed
+
+    def shapes(self) -> list[tuple[Placed, Shape]]:
+        """Every visible shape with the node that shows it, in the order of the graph: the order of instance ids."""
+        return [(placed, shape) for placed in self.walk() for shape in placed.node.shapes]
+
+    def lights(self) -> list[tuple[Placed, Light]]:
+        """Every visible light with its node."""
+        return [(placed, light) for placed in self.walk() for light in placed.node.lights]
+
+    def cameras(self) -> list[Camera]:
+        """Every camera of the graph, placed in the world; negative and uneven scale of its node is taken out."""
+        found = []
+        for placed in self.walk():
+            for camera in placed.node.cameras:
+                matrix = placed.world_from_object @ camera.world_from_camera
+                found.append(dataclasses.replace(camera, world_from_camera=_rigid(matrix)))
+        return found
+
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) float64: least and greatest corner of all bounded shapes in the world; (inf, -inf) where there are none."""
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for placed, shape in self.shapes():
+            box = _object_bounds(shape)
+            if box is None or not np.isfinite(box).all():
+                continue
+            corners = np.array([[box[i, 0], box[j, 1], box[k, 2], 1.0] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+            world = (placed.world_from_object @ corners.T).T[:, :3]
+            if np.isfinite(world).all():
+                low, high = np.minimum(low, world.min(axis=0)), np.maximum(high, world.max(axis=0))
+        return np.array([low, high])
+
+
+def _object_bounds(shape: Shape) -> NDArray[np.float64] | None:
+    geometry = shape.geometry
+    if isinstance(geometry, Mesh):
+        return geometry.bounds
+    if isinstance(geometry, Sphere):
+        return np.array([[-geometry.radius] * 3, [geometry.radius] * 3])
+    if isinstance(geometry, Box):
+        return np.array([[-edge / 2.0 for edge in geometry.size], [edge / 2.0 for edge in geometry.size]])
+    return None
+
+
+def _rigid(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Keep a camera's place and gaze, drop scale and shear (Gram-Schmidt from the gaze)."""
+    w = matrix[:3, 2]
+    w = w / (np.linalg.norm(w) or 1.0)
+    u = np.cross(matrix[:3, 1], w)
+    u = u / (np.linalg.norm(u) or 1.0)
+    made = np.eye(4)
+    made[:3, 0], made[:3, 1], made[:3, 2], made[:3, 3] = u, np.cross(w, u), w, matrix[:3, 3]
+    return made

@@ -1,0 +1,1 @@
+"""Values that kernels compute with: vectors, colours, eight lanes, elementary functions, random numbers."""

@@ -1,0 +1,327 @@
+"""Doors: how Python calls compiled kernels without importing the compiler.
+
+A door is an entry kernel with a declared signature. The first time it is opened on a machine, Numba compiles it and all that
+it calls, and the machine code goes into a cache. From then on a process loads the code with `llvmlite.binding` alone, in
+milliseconds; Numba is never imported.
+
+    render_tile = Door("limner.raster.tile", "render_tile", (Array(np.float32, 2), Scalar(np.int64)))
+    render_tile(picture, 3)
+
+The cached code is named by a hash of the kernel's sources (the door's import closure inside limner), the versions of Numba and
+llvmlite, and the CPU: it cannot be stale, and an edit elsewhere recompiles nothing. It is written under a temporary name and
+moved into place, so that processes may race; a folder that cannot be written costs the cache, not the picture.
+
+Environment: ``LIMNER_CACHE_DIR`` names the cache folder (default: ``limner`` in the user's cache folder).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import importlib
+import importlib.util
+import logging
+import os
+import re
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from . import _jit
+
+__all__ = ["Array", "Door", "Scalar", "Signature", "cache_folder", "doors", "warm_up"]
+
+_log = logging.getLogger("limner")
+_PACKAGE = Path(__file__).parent
+_KEPT_FILES = 64  # about two renderers on four CPUs over a few versions
+
+
+class Array(NamedTuple):
+    """A C-contiguous array argument."""
+
+    dtype: DTypeLike
+    ndim: int
+
+
+class Scalar(NamedTuple):
+    """A scalar argument."""
+
+    dtype: DTypeLike
+
+
+Signature: TypeAlias = tuple[Array | Scalar, ...]
+
+_registry: dict[str, Door] = {}
+
+
+def doors() -> dict[str, Door]:
+    """All doors declared so far, by name."""
+    return dict(_registry)
+
+
+class Door:
+    """An entry kernel, compiled once for a machine.
+
+    Parameters
+    ----------
+    module, function : str
+        Where the kernel stands; imported only when it has to be compiled (or runs as Python).
+    signature : tuple of Array and Scalar
+        Its arguments; it returns nothing.
+    what : str
+        What a person waits for while it compiles.
+    """
+
+    def __init__(self, module: str, function: str, signature: Signature, what: str) -> None:
+        self.module, self.function, self.signature, self.what = module, function, signature, what
+        self.name = f"{module}.{function}"
+        self._lock = threading.Lock()
+        self._entry: Callable[..., int] | None = None
+        self._python: Callable[..., Any] | None = None
+        self._keep: Any = None
+        _registry[self.name] = self
+
+    def __call__(self, *arguments: Any) -> None:
+        """Run the kernel; the interpreter's lock is released meanwhile."""
+        self.bind(*arguments)()
+
+    def bind(self, *arguments: Any) -> Callable[..., None]:
+        """Convert the leading arguments once; the result takes the remaining scalars."""
+        self.open()
+        if self._python is not None:
+            return _uncompiled(self._python, self.signature, arguments)
+        entry = self._entry
+        assert entry is not None
+        head: list[Any] = [None, None]
+        for value, kind in zip(arguments, self.signature, strict=False):
+            head.extend(_flatten(value, kind, self.name))
+        rest = self.signature[len(arguments) :]
+
+        def call(*more: Any) -> None:
+            if len(more) != len(rest):
+                raise TypeError(f"{self.name} takes {len(self.signature)} arguments, got {len(arguments) + len(more)}")
+            returned = ctypes.c_void_p()
+            tail = [part for value, kind in zip(more, rest, strict=True) for part in _flatten(value, kind, self.name)]
+            entry(ctypes.byref(returned), ctypes.byref(returned), *head[2:], *tail)
+            call.__dict__["arguments"] = arguments  # the arrays must outlive the call
+
+        call.__dict__["arguments"] = arguments
+        return call
+
+    def open(self) -> None:
+        """Make the kernel ready: load its machine code, or compile it and tell what is being waited for."""
+        if self._entry is not None or self._python is not None:
+            return
+        with self._lock:
+            if self._entry is not None or self._python is not None:
+                return
+            if _jit.MODE != "compiled":
+                self._python = getattr(importlib.import_module(self.module), self.function)
+                return
+            path = cache_folder() / f"{self.function}-{self._key()}.o"
+            found = _read(path)
+            if found is None:
+                started = time.perf_counter()
+                _log.warning("compiling %s for this machine; this happens once", self.what)
+                from ._compile import compile_door
+
+                found = compile_door(getattr(importlib.import_module(self.module), self.function), self.signature)
+                _log.info("compiled %s in %.1f s", self.what, time.perf_counter() - started)
+                _write(path, *found)
+            self._entry, self._keep = _load(*found, self.signature)
+
+    def is_cached(self) -> bool:
+        """Whether opening it compiles nothing."""
+        return self._entry is not None or _jit.MODE != "compiled" or (cache_folder() / f"{self.function}-{self._key()}.o").exists()
+
+    def _key(self) -> str:
+        digest = hashlib.blake2b(_machine(), digest_size=12)
+        digest.update(f"{self.name} {[(np.dtype(k.dtype).descr, *k[1:]) for k in self.signature]}".encode())
+        for module in sorted(_closure(self.module)):
+            digest.update(module.encode() + _source(module))
+        return digest.hexdigest()
+
+
+def warm_up(on_event: Callable[[str], None] | None = None) -> int:
+    """Compile every door ahead of its first use. Returns how many were not in the cache."""
+    importlib.import_module("limner.render")
+    fresh = 0
+    for door in _registry.values():
+        if not door.is_cached():
+            fresh += 1
+        if on_event is not None:
+            on_event(door.what)
+        door.open()
+    return fresh
+
+
+# --- arguments: Numba's own calling convention ---------------------------------------------------------------------------
+
+
+def _flatten(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
+    """The machine values of one argument. An array: owner, parent, size, item size, data, shape, strides (numba.core.datamodel)."""
+    dtype = np.dtype(kind.dtype)
+    if isinstance(kind, Scalar):
+        return [_CTYPES[dtype.char](value)]
+    if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != kind.ndim or not value.flags.c_contiguous:
+        found = f"{value.dtype} of shape {value.shape}" if isinstance(value, np.ndarray) else repr(value)
+        raise TypeError(f"{name} needs a contiguous {dtype} array with {kind.ndim} dimensions, got {found}")
+    return [None, None, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+
+
+_CTYPES: dict[str, Any] = {"q": ctypes.c_int64, "l": ctypes.c_int64, "f": ctypes.c_float, "d": ctypes.c_double}
+
+
+def _argument_types(signature: Signature) -> list[Any]:
+    types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
+    for kind in signature:
+        if isinstance(kind, Scalar):
+            types.append(_CTYPES[np.dtype(kind.dtype).char])
+        else:
+            types += [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
+            types += [ctypes.c_int64] * (2 * kind.ndim)
+    return types
+
+
+def _uncompiled(function: Callable[..., Any], signature: Signature, arguments: tuple[Any, ...]) -> Callable[..., None]:
+    def call(*more: Any) -> None:
+        values = [
+            np.dtype(kind.dtype).type(value) if isinstance(kind, Scalar) else value
+            for value, kind in zip((*arguments, *more), signature, strict=True)
+        ]
+        with np.errstate(all="ignore"):
+            function(*values)
+
+    return call
+
+
+# --- machine code ---------------------------------------------------------------------------------------------------------
+
+_engines_lock = threading.Lock()
+
+
+def _load(code: bytes, symbol: str, signature: Signature) -> tuple[Callable[..., int], Any]:
+    import llvmlite.binding as llvm
+
+    with _engines_lock:
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        machine = llvm.Target.from_default_triple().create_target_machine()
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+        address = engine.get_function_address(symbol)
+    return ctypes.CFUNCTYPE(ctypes.c_int32, *_argument_types(signature))(address), engine
+
+
+def _machine() -> bytes:
+    """Everything but the sources that decides about the machine code."""
+    import llvmlite.binding as llvm
+
+    parts = [llvm.get_process_triple(), llvm.get_host_cpu_name(), str(sorted(llvm.get_host_cpu_features().items()))]
+    parts += [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR"]
+    text = "\n".join(parts).encode()
+    for package in ("numba", "llvmlite"):
+        found = importlib.util.find_spec(package)
+        if found is not None and found.origin:
+            text += (Path(found.origin).parent / "_version.py").read_bytes()
+    return text
+
+
+# --- sources --------------------------------------------------------------------------------------------------------------
+
+_IMPORT = re.compile(rb"^\s*from (\.*)([\w.]*) import ([^\n(]*|\([^)]*\))", re.MULTILINE)
+_sources: dict[str, bytes] = {}
+
+
+def _file(module: str) -> Path | None:
+    base = _PACKAGE.joinpath(*module.split(".")[1:])
+    for path in (base.with_suffix(".py"), base / "__init__.py"):
+        if path.is_file():
+            return path
+    return None
+
+
+def _source(module: str) -> bytes:
+    if module not in _sources:
+        path = _file(module)
+        _sources[module] = path.read_bytes() if path is not None else b""
+    return _sources[module]
+
+
+def _closure(module: str) -> set[str]:
+    """The modules of limner that `module` reaches by relative imports, itself included."""
+    found: set[str] = set()
+    waiting = [module, "limner._jit", "limner._compile"]
+    while waiting:
+        current = waiting.pop()
+        if current in found:
+            continue
+        found.add(current)
+        path = _file(current)
+        package = current if path is not None and path.name == "__init__.py" else current.rpartition(".")[0]
+        for dots, name, imported in _IMPORT.findall(_source(current)):
+            if not dots:
+                continue
+            base = package.split(".")[: len(package.split(".")) - len(dots) + 1]
+            target = ".".join([*base, *(name.decode().split(".") if name else [])])
+            names = [part.strip().split(" ")[0] for part in imported.decode().strip("()").split(",")]
+            submodules = [f"{target}.{part}" for part in names if part and _file(f"{target}.{part}") is not None]
+            waiting.extend(submodules or [target])
+    return found
+
+
+# --- the cache ------------------------------------------------------------------------------------------------------------
+
+
+def cache_folder() -> Path:
+    """Where machine code is kept."""
+    named = os.environ.get("LIMNER_CACHE_DIR")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    return (Path(base) if base else Path(os.path.expanduser("~")) / ".cache") / "limner"
+
+
+def _read(path: Path) -> tuple[bytes, str] | None:
+    """Code and symbol, or None where there is none or it is damaged."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    digest, _, rest = data.partition(b"\n")
+    symbol, _, code = rest.partition(b"\n")
+    if digest != hashlib.blake2b(rest, digest_size=16).hexdigest().encode() or not code:
+        return None
+    return code, symbol.decode()
+
+
+def _write(path: Path, code: bytes, symbol: str) -> None:
+    rest = symbol.encode() + b"\n" + code
+    data = hashlib.blake2b(rest, digest_size=16).hexdigest().encode() + b"\n" + rest
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(data)
+            os.replace(temporary, path)
+        except OSError:
+            os.unlink(temporary)
+            raise
+        _prune(path.parent)
+    except OSError as error:
+        _log.warning("the compiled code could not be kept in %s (%s); set LIMNER_CACHE_DIR to a writable folder", path.parent, error)
+
+
+def _prune(folder: Path) -> None:
+    """Keep the most recently written files."""
+    files = sorted(folder.glob("*.o"), key=lambda file: file.stat().st_mtime, reverse=True)
+    for file in files[_KEPT_FILES:]:
+        file.unlink(missing_ok=True)

@@ -1,0 +1,159 @@
+"""Elementary functions in float32, made of + - * / and square root alone.
+
+The C library's functions differ between machines in the last bit, and LLVM cannot vectorise calls to them. These are
+polynomials after an exact reduction of the argument, branch-free, accurate to a few units in the last place over their range
+(`tests/laws/test_elementary.py` measures them against mpmath-free references in float64), and the same bits on every machine,
+compiled or not. Multiplication and addition are never fused.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .._jit import MODE, kernel
+
+__all__ = [
+    "HALF_PI", "INV_PI", "PI", "TWO_PI", "acos", "as_float", "as_int", "atan2", "cos", "exp2", "floor", "log2", "power",
+    "safe_sqrt", "sin", "sqrt",
+]  # fmt: skip
+
+f32, i32 = np.float32, np.int32
+PI = f32(math.pi)
+TWO_PI = f32(2.0 * math.pi)
+HALF_PI = f32(0.5 * math.pi)
+INV_PI = f32(1.0 / math.pi)
+
+if MODE == "compiled":
+    from ._bits import as_float, as_int, floor, sqrt
+else:
+
+    def sqrt(x: np.float32) -> np.float32:
+        """The correctly rounded square root; NaN below zero."""
+        return np.sqrt(f32(x))
+
+    def floor(x: np.float32) -> np.float32:
+        """The greatest integer not above x, as float32."""
+        return np.floor(f32(x))
+
+    def as_int(x: np.float32) -> np.int32:
+        """The bits of a float32 as int32."""
+        return f32(x).view(i32)
+
+    def as_float(i: np.int32) -> np.float32:
+        """The float32 of the given bits."""
+        return i32(i).view(f32)
+
+
+_ZERO, _HALF, _ONE, _TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
+
+
+@kernel
+def safe_sqrt(x: np.float32) -> np.float32:
+    """The square root of max(x, 0): for what rounding pushed below zero."""
+    return sqrt(max(_ZERO, x))
+
+
+# 2^f on [-1/2, 1/2]: Taylor coefficients ln(2)^k / k!; degree 6 leaves 2e-8.
+_E1, _E2, _E3 = f32(math.log(2.0)), f32(math.log(2.0) ** 2 / 2.0), f32(math.log(2.0) ** 3 / 6.0)
+_E4, _E5, _E6 = f32(math.log(2.0) ** 4 / 24.0), f32(math.log(2.0) ** 5 / 120.0), f32(math.log(2.0) ** 6 / 720.0)
+
+
+@kernel
+def exp2(x: np.float32) -> np.float32:
+    """2^x: the integer part goes into the exponent, the rest is a polynomial; 0 below -126, capped above 127.9."""
+    clamped = min(max(x, f32(-127.0)), f32(127.99999))
+    n = floor(clamped + _HALF)
+    f = clamped - n
+    p = _ONE + f * (_E1 + f * (_E2 + f * (_E3 + f * (_E4 + f * (_E5 + f * _E6)))))
+    scaled = p * as_float(i32(i32(i32(n) + i32(127)) << i32(23)))
+    return scaled if x >= f32(-126.0) else _ZERO
+
+
+# ln((1+s)/(1-s)) = 2 (s + s^3/3 + ...), scaled to base 2; |s| <= 0.1716 leaves 1e-9.
+_L1, _L3, _L5 = f32(2.0 / math.log(2.0)), f32(2.0 / 3.0 / math.log(2.0)), f32(2.0 / 5.0 / math.log(2.0))
+_L7, _L9 = f32(2.0 / 7.0 / math.log(2.0)), f32(2.0 / 9.0 / math.log(2.0))
+_SQRT_HALF_BITS = i32(0x3F3504F3)
+
+
+@kernel
+def log2(x: np.float32) -> np.float32:
+    """log2 x for normal x > 0: exponent plus the atanh series of the mantissa; -127 or less for zero and subnormals."""
+    bits = as_int(x)
+    e = i32(i32(bits - _SQRT_HALF_BITS) >> i32(23))
+    m = as_float(i32(bits - i32(e << i32(23))))
+    s = (m - _ONE) / (m + _ONE)
+    q = s * s
+    return f32(e) + s * (_L1 + q * (_L3 + q * (_L5 + q * (_L7 + q * _L9))))
+
+
+@kernel
+def power(x: np.float32, p: np.float32) -> np.float32:
+    """x^p for x >= 0, as 2^(p log2 x); 0^p is 0 for p > 0 and 1 for p = 0."""
+    y = exp2(p * log2(x))
+    y = y if x > _ZERO else _ZERO
+    return y if p != _ZERO else _ONE
+
+
+# Cody-Waite: pi/2 in three pieces, the first two with trailing zeros, so that n * piece is exact for moderate n.
+_TWO_OVER_PI = f32(2.0 / math.pi)
+_PIO2_A, _PIO2_B, _PIO2_C = f32(1.5703125), f32(4.837512969970703125e-4), f32(7.549789948768648e-8)
+_S3, _S5, _S7 = f32(-1.0 / 6.0), f32(1.0 / 120.0), f32(-1.0 / 5040.0)
+_S9 = f32(1.0 / 362880.0)
+_C2, _C4, _C6, _C8 = f32(-0.5), f32(1.0 / 24.0), f32(-1.0 / 720.0), f32(1.0 / 40320.0)
+
+
+@kernel
+def _sin_quadrant(x: np.float32, shift: np.int32) -> np.float32:
+    """sin(x + shift pi/2): reduce to [-pi/4, pi/4], then sine or cosine of the rest by its Taylor series."""
+    n = floor(x * _TWO_OVER_PI + _HALF)
+    r = ((x - n * _PIO2_A) - n * _PIO2_B) - n * _PIO2_C
+    quadrant = i32(i32(i32(n) + shift) & i32(3))
+    q = r * r
+    s = r + r * q * (_S3 + q * (_S5 + q * (_S7 + q * _S9)))
+    c = _ONE + q * (_C2 + q * (_C4 + q * (_C6 + q * _C8)))
+    y = c if (quadrant & i32(1)) == i32(1) else s
+    return -y if (quadrant & i32(2)) == i32(2) else y
+
+
+@kernel
+def sin(x: np.float32) -> np.float32:
+    """sin x; absolute error below 2e-7 for |x| <= 1000."""
+    return _sin_quadrant(x, i32(0))
+
+
+@kernel
+def cos(x: np.float32) -> np.float32:
+    """cos x; absolute error below 2e-7 for |x| <= 1000."""
+    return _sin_quadrant(x, i32(1))
+
+
+# atan on [0, tan(pi/8)] by its series; degree 13 leaves 2e-8.
+_TAN_PI_8 = f32(math.tan(math.pi / 8.0))
+_A3, _A5, _A7, _A9 = f32(-1.0 / 3.0), f32(1.0 / 5.0), f32(-1.0 / 7.0), f32(1.0 / 9.0)
+_A11, _A13 = f32(-1.0 / 11.0), f32(1.0 / 13.0)
+_QUARTER_PI = f32(0.25 * math.pi)
+
+
+@kernel
+def atan2(y: np.float32, x: np.float32) -> np.float32:
+    """The angle of (x, y) in [-pi, pi]; 0 for the origin."""
+    ax, ay = abs(x), abs(y)
+    large, small = max(ax, ay), min(ax, ay)
+    t = small / large if large > _ZERO else _ZERO
+    beyond = t > _TAN_PI_8
+    r = (t - _ONE) / (t + _ONE) if beyond else t
+    q = r * r
+    a = r + r * q * (_A3 + q * (_A5 + q * (_A7 + q * (_A9 + q * (_A11 + q * _A13)))))
+    a = a + _QUARTER_PI if beyond else a
+    a = HALF_PI - a if ay > ax else a
+    a = PI - a if x < _ZERO else a
+    return -a if y < _ZERO else a
+
+
+@kernel
+def acos(x: np.float32) -> np.float32:
+    """The angle whose cosine is x, clamped to [-1, 1]: atan2(sqrt((1 - x)(1 + x)), x)."""
+    c = min(max(x, -_ONE), _ONE)
+    return atan2(safe_sqrt((_ONE - c) * (_ONE + c)), c)

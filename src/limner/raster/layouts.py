@@ -1,0 +1,35 @@
+"""What the stages of the pipeline hand to each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = ["GUARD_BAND", "MAX_CLIPPED", "SCREEN_TRIANGLE", "SUBPIXELS"]
+
+f32, i32 = np.float32, np.int32
+
+SUBPIXELS = 256
+"""Screen vertices lie on a grid of 1/256 pixel, where edge functions are exact integers."""
+
+GUARD_BAND = f32(1 << 19)
+"""Pixels from the origin beyond which triangles are clipped, so that edge functions fit 64 bits with room to spare."""
+
+MAX_CLIPPED = 12
+"""Vertices that a triangle can have after clipping against five planes, and some."""
+
+SCREEN_TRIANGLE = np.dtype(
+    [
+        ("x", i32, 3),  # vertices on the subpixel grid, counter-clockwise
+        ("y", i32, 3),
+        ("z", f32),  # depth-buffer value at the reference pixel
+        ("dzdx", f32),
+        ("dzdy", f32),
+        ("x_reference", i32),
+        ("y_reference", i32),
+        ("instance", i32),
+        ("triangle", i32),  # of the instance's mesh
+        ("material", i32),
+        ("alpha_mode", i32),
+    ],
+    align=True,
+)

@@ -1,0 +1,238 @@
+"""The graphics pipeline, stage by stage (FoCG 8):
+
+    vertices ──► clip, snap, cull ──► bins ──► per tile: fill with depth ──► fragments ──► resolve
+
+`draw` below is this line. Every stage runs on all threads over ranges of its input; results stand in the order of the input, so the
+picture does not depend on how many there are.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._door import Array, Door, Scalar
+from ..tables import layouts
+from ..tables.build import View
+from ..tables.layouts import SCENE_ARRAYS, SceneTables
+from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
+from .layouts import MAX_CLIPPED, SCREEN_TRIANGLE
+
+__all__ = ["TILE_SIZE", "draw"]
+
+TILE_SIZE = 64
+_CHUNK = 8192  # vertices or triangles that make a job worth a call
+_I64 = Scalar(np.int64)
+
+_TRANSFORM = Door(
+    "limner.raster.vertex",
+    "transform_vertices",
+    (
+        Array(layouts.MESH_RANGES, 1), Array(layouts.INSTANCE, 1), Array(np.float32, 2), Array(np.float32, 3), Array(np.int64, 2),
+        _I64, _I64, Array(np.float32, 2),
+    ),
+    "the vertex stage",
+)  # fmt: skip
+
+_ASSEMBLE = Door(
+    "limner.raster.assemble",
+    "assemble_triangles",
+    (
+        Array(layouts.INSTANCE, 1), Array(layouts.MESH_RANGES, 1), Array(np.int32, 2), Array(np.int32, 1), Array(layouts.MATERIAL, 1),
+        Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 2), _I64, _I64, Array(np.float32, 2), Array(np.float32, 2),
+        Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int64, 1), _I64,
+    ),
+    "primitive assembly and clipping",
+)  # fmt: skip
+
+_COUNT = Door(
+    "limner.raster.assemble",
+    "count_bins",
+    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, _I64, _I64, _I64, Array(np.int64, 2), _I64),
+    "binning",
+)
+
+_BIN = Door(
+    "limner.raster.assemble",
+    "bin_triangles",
+    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, _I64, _I64, _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
+    "binning",
+)
+
+_DRAW = Door(
+    "limner.raster.tile",
+    "draw_tile",
+    (
+        *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
+        Array(np.int32, 1), Array(np.int64, 1), _I64, Array(np.int32, 2), Array(np.float32, 1),
+        Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
+        Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
+        _I64, _I64, _I64, _I64, _I64, _I64, _I64,
+    ),
+    "the raster renderer",
+)  # fmt: skip
+
+
+class Vertices(NamedTuple):
+    """What the vertex stage leaves: (n, 4) float32 (x w, y w, depth, w), and where each instance's begin."""
+
+    transformed: NDArray[np.float32]
+    first_vertex: NDArray[np.int64]
+
+
+class Bins(NamedTuple):
+    """Screen triangles, and for each tile which of them may touch it: binned[ranges[tile] : ranges[tile + 1]]."""
+
+    screen: NDArray[np.void]
+    binned: NDArray[np.int32]
+    ranges: NDArray[np.int64]
+
+
+def draw(
+    tables: SceneTables,
+    view: View,
+    sample_places: NDArray[np.int32],
+    background: NDArray[np.float32],
+    film: NDArray[np.float32],
+    *,
+    threads: int,
+    tile_size: int = TILE_SIZE,
+    on_progress: OnProgress | None = None,
+    cancel: Cancel | None = None,
+) -> None:
+    """Draw a scene and add it to the film.
+
+    Parameters
+    ----------
+    tables, view : SceneTables, View
+    sample_places : (n, 2) int32
+        The samples of every pixel, relative to its centre, on the subpixel grid.
+    background : (4,) float32
+        Radiance and alpha of what lies behind everything.
+    film : (height, width, 4) float32
+        Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
+
+    Raises Cancelled; the film then holds the tiles that are done.
+    """
+    height, width = film.shape[:2]
+    vertices = _transform(tables, view, threads)
+    screen_chunks, screen = _assemble(tables, view, vertices, threads)
+    bins = _bin(screen, screen_chunks, width, height, tile_size, threads)
+    _draw_tiles(
+        tables, view, vertices, bins, sample_places, background, film, tile_size, threads, on_progress, cancel
+    )  # fmt: skip
+
+
+def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
+    """Ranges of every instance's vertices or triangles, and groups of them that are worth a call.
+
+    Returns (n, 4) rows (instance, first, last, place) and [(first job, last job)].
+    """
+    rows: list[tuple[int, int, int, int]] = []
+    groups: list[tuple[int, int]] = []
+    first, weight = 0, 0
+    counts = tables.meshes[what][tables.instances["mesh"]] if len(tables.instances) else np.zeros(0, dtype=np.int32)
+    for instance, n in enumerate(counts.tolist()):
+        for start in range(0, n, _CHUNK):
+            end = min(start + _CHUNK, n)
+            offset = start if what == "n_positions" else 0
+            rows.append((instance, start, end, int(places[instance]) + offset))
+            weight += end - start
+            if weight >= _CHUNK:
+                groups.append((first, len(rows)))
+                first, weight = len(rows), 0
+    if weight:
+        groups.append((first, len(rows)))
+    return np.array(rows, dtype=np.int64).reshape(-1, 4), groups
+
+
+def _transform(tables: SceneTables, view: View, threads: int) -> Vertices:
+    counts = tables.meshes["n_positions"][tables.instances["mesh"]].astype(np.int64) if len(tables.instances) else np.zeros(0, np.int64)
+    first_vertex = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    transformed = np.empty((int(first_vertex[-1]), 4), dtype=np.float32)
+    jobs, groups = _jobs(tables, "n_positions", first_vertex)
+    run_all(
+        lambda group: _TRANSFORM(
+            tables.meshes, tables.instances, tables.positions, view.raster_from_object, jobs, *group, transformed
+        ),
+        groups,
+        threads,
+    )
+    return Vertices(transformed, first_vertex)
+
+
+def _assemble(tables: SceneTables, view: View, vertices: Vertices, threads: int) -> tuple[list[tuple[int, int]], NDArray[np.void]]:
+    """Screen triangles in chunks with gaps between; clipping can make more of them than there were, and then it runs again."""
+    jobs, groups = _jobs(tables, "n_triangles", vertices.first_vertex)
+    sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
+    counts = np.zeros(len(groups), dtype=np.int64)
+    capacity = sizes + 64
+    while True:
+        places = np.concatenate([[0], np.cumsum(capacity)]).astype(np.int64)
+        screen = np.empty(int(places[-1]), dtype=SCREEN_TRIANGLE)
+
+        def assemble(chunk: int, places: NDArray[np.int64] = places, screen: NDArray[np.void] = screen) -> None:
+            polygon, scratch = (np.empty((MAX_CLIPPED, 4), dtype=np.float32) for _ in range(2))
+            _ASSEMBLE(
+                tables.instances, tables.meshes, tables.triangles, tables.slots, tables.materials, view.camera, vertices.transformed,
+                jobs, *groups[chunk], polygon, scratch, screen, int(places[chunk]), int(places[chunk + 1]), counts, chunk,
+            )  # fmt: skip
+
+        run_all(assemble, range(len(groups)), threads)
+        if (counts <= capacity).all():
+            return [(int(a), int(a + n)) for a, n in zip(places, counts, strict=False)], screen
+        capacity = np.maximum(capacity, counts)
+
+
+def _bin(screen: NDArray[np.void], chunks: list[tuple[int, int]], width: int, height: int, tile_size: int, threads: int) -> Bins:
+    columns, rows = -(-width // tile_size), -(-height // tile_size)
+    counts = np.zeros((max(len(chunks), 1), columns * rows), dtype=np.int64)
+    run_all(lambda k: _COUNT(screen, *chunks[k], tile_size, columns, rows, counts, k), range(len(chunks)), threads)
+    ranges = np.concatenate([[0], np.cumsum(counts.sum(axis=0))]).astype(np.int64)
+    places = np.ascontiguousarray(ranges[:-1] + np.cumsum(counts, axis=0) - counts)
+    binned = np.empty(int(ranges[-1]), dtype=np.int32)
+    run_all(lambda k: _BIN(screen, *chunks[k], tile_size, columns, rows, places, k, binned), range(len(chunks)), threads)
+    return Bins(screen, binned, ranges)
+
+
+class _Scratch(threading.local):
+    """What a tile needs while it is drawn, once for each thread."""
+
+    def __init__(self, n: int) -> None:
+        def floats() -> NDArray[np.float32]:
+            return np.empty(n, dtype=np.float32)
+
+        def rows() -> NDArray[np.int32]:
+            return np.empty(n, dtype=np.int32)
+
+        layers = np.empty((n, 3), dtype=np.float32)
+        self.arrays = (floats(), rows(), floats(), rows(), floats(), rows(), layers, floats())
+
+
+def _draw_tiles(
+    tables: SceneTables,
+    view: View,
+    vertices: Vertices,
+    bins: Bins,
+    sample_places: NDArray[np.int32],
+    background: NDArray[np.float32],
+    film: NDArray[np.float32],
+    tile_size: int,
+    threads: int,
+    on_progress: OnProgress | None,
+    cancel: Cancel | None,
+) -> None:
+    height, width = film.shape[:2]
+    scratch = _Scratch(tile_size * tile_size)
+    has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
+
+    def draw_tile(tile: Tile) -> None:
+        _DRAW(
+            *tables, view.camera, *vertices, *bins, has_blend, sample_places, background, *scratch.arrays, film, *tile,
+            0, len(sample_places),
+        )  # fmt: skip
+
+    run_all(draw_tile, tiles_of(width, height, tile_size), threads, on_progress, cancel)

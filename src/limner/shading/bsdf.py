@@ -1,0 +1,140 @@
+"""From a material row to a fixed set of lobes, and their sum.
+
+`resolve` looks the textures up and leaves plain numbers; `eval_bsdf` adds the lobes. A material kind is a way to fill the lobes,
+so a new kind changes `resolve` alone, and lobes never see textures or tables.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
+from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE
+from .lambert import eval_lambert
+from .microfacet import eval_ggx
+from .phong import eval_blinn_phong
+from .surface import SurfacePoint
+from .texture import sample_texture
+
+__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve"]
+
+f32 = np.float32
+_DIELECTRIC_F0 = f32(0.04)
+_TWO = f32(2.0)
+
+
+class Bsdf(NamedTuple):
+    """What light meets at a point."""
+
+    ns: Vec3  # shading normal, unit, after the normal map
+    diffuse: Color  # kd
+    specular: Color  # ks of the Blinn-Phong highlight
+    exponent: np.float32
+    f0: Color  # microfacet lobe: reflectance at normal incidence
+    roughness2: np.float32  # its alpha: perceptual roughness squared
+    ambient: Color  # what ambient light is multiplied by
+    mirror: Color  # ideal reflection
+    emission: Color
+    alpha: np.float32  # coverage
+    albedo: Color  # the base colour as painted
+
+
+@kernel
+def _coverage(material, alpha: np.float32) -> np.float32:
+    """Alpha as the material uses it: 1 if opaque, 0 or 1 behind a mask, itself if blended."""
+    if material["alpha_mode"] == OPAQUE:
+        return ONE
+    if material["alpha_mode"] == MASK:
+        return ONE if alpha >= material["alpha_cutoff"] else ZERO
+    return min(max(alpha, ZERO), ONE)
+
+
+@kernel
+def alpha_at(material, point: SurfacePoint, textures, texels) -> np.float32:
+    """The coverage of a surface at a point, without the rest of its material."""
+    alpha = material["alpha"] * point.alpha
+    if material["color_texture"] >= 0:
+        _, a = sample_texture(textures[material["color_texture"]], texels, point)
+        alpha = alpha * a
+    return _coverage(material, alpha)
+
+
+@kernel
+def _color3(row) -> Color:
+    return Color(row[0], row[1], row[2])
+
+
+@kernel
+def _textured(index: int, point: SurfacePoint, textures, texels) -> Color:
+    """The colour of a texture; white where there is none."""
+    if index < 0:
+        return Color(ONE, ONE, ONE)
+    c, _ = sample_texture(textures[index], texels, point)
+    return c
+
+
+@kernel
+def _mapped_normal(material, point: SurfacePoint, textures, texels) -> Vec3:
+    """The shading normal bent by a normal map (glTF 2.0, 3.9.3): t x + b y + n z, with b = sign (n x t)."""
+    n = point.ns
+    t = point.tangent - n * dot(n, point.tangent)
+    squared = dot(t, t)
+    if squared <= ZERO:
+        return n
+    t = normalize(t)
+    b = cross(n, t) * point.bitangent_sign
+    c, _ = sample_texture(textures[material["normal_texture"]], texels, point)
+    s = material["normal_scale"]
+    mapped = normalize(t * ((_TWO * c.r - ONE) * s) + b * ((_TWO * c.g - ONE) * s) + n * (_TWO * c.b - ONE))
+    return mapped if dot(mapped, mapped) > ZERO else n
+
+
+@kernel
+def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
+    """The lobes of a material at a point: textures looked up, kinds forgotten."""
+    black = Color(ZERO, ZERO, ZERO)
+    base, alpha = _color3(material["color"]) * point.color, material["alpha"] * point.alpha
+    if material["color_texture"] >= 0:
+        c, a = sample_texture(textures[material["color_texture"]], texels, point)
+        base, alpha = base * c, alpha * a
+    alpha = _coverage(material, alpha)
+    emission = _color3(material["emission"]) * _textured(material["emission_texture"], point, textures, texels)
+    ka = _color3(material["ambient"])
+    ambient = ka if ka.r >= ZERO else base
+    kind = material["kind"]
+    if kind == BLINN_PHONG:
+        ks = _color3(material["specular"]) * _textured(material["specular_texture"], point, textures, texels)
+        ks = ks * material["specular_scale"]
+        km = _color3(material["mirror"])
+        return Bsdf(point.ns, base, ks, material["exponent"], black, ONE, ambient, km, emission, alpha, base)
+    if kind == METALLIC_ROUGHNESS:
+        if material["unlit"] != 0:
+            return Bsdf(point.ns, black, black, ONE, black, ONE, black, black, base + emission, alpha, base)
+        rough = _textured(material["metallic_roughness_texture"], point, textures, texels)
+        roughness, metallic = material["roughness"] * rough.g, material["metallic"] * rough.b
+        occlusion = ONE
+        if material["occlusion_texture"] >= 0:
+            o = _textured(material["occlusion_texture"], point, textures, texels)
+            occlusion = lerp(ONE, o.r, material["occlusion_strength"])
+        ns = point.ns
+        if material["normal_texture"] >= 0:
+            ns = _mapped_normal(material, point, textures, texels)
+        f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
+        diffuse = base * ((ONE - metallic) * (ONE - _DIELECTRIC_F0))
+        ambient = (diffuse + f0) * occlusion
+        return Bsdf(ns, diffuse, black, ONE, f0, roughness * roughness, ambient, black, emission, alpha, base)
+    return Bsdf(point.ns, base, black, ONE, black, ONE, ambient, black, emission, alpha, base)
+
+
+@kernel
+def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
+    """The sum of the lobes, cosine included: radiance towards wo per irradiance facing wi."""
+    value = eval_lambert(bsdf.diffuse, bsdf.ns, wi)
+    if max_component(bsdf.specular) > ZERO:
+        value = value + eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
+    if max_component(bsdf.f0) > ZERO:
+        value = value + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
+    return value

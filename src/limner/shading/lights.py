@@ -1,0 +1,68 @@
+"""What arrives from a light (FoCG 4.5; KHR_lights_punctual): direction, distance and irradiance."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..kernel.elementary import sqrt
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
+from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT
+from .bsdf import Bsdf, eval_bsdf
+
+__all__ = ["Illumination", "ambient_radiance", "illuminate", "lit_radiance"]
+
+f32 = np.float32
+_INFINITY = f32(np.inf)
+
+
+class Illumination(NamedTuple):
+    """Light at a point: where it comes from, how far that is, and the irradiance of a surface that faces it."""
+
+    wi: Vec3
+    distance: np.float32
+    irradiance: Color
+
+
+@kernel
+def illuminate(light, p: Vec3) -> Illumination:
+    """The light that reaches p if nothing stands between."""
+    intensity = Color(light["intensity"][0], light["intensity"][1], light["intensity"][2])
+    axis = Vec3(light["direction"][0], light["direction"][1], light["direction"][2])
+    kind = light["kind"]
+    if kind == DIRECTIONAL_LIGHT:
+        return Illumination(-axis, _INFINITY, intensity)
+    if kind == AMBIENT_LIGHT:
+        return Illumination(-axis, _INFINITY, Color(ZERO, ZERO, ZERO))
+    to_light = Vec3(light["position"][0], light["position"][1], light["position"][2]) - p
+    squared = dot(to_light, to_light)
+    distance = sqrt(squared)
+    wi = to_light * (ONE / distance) if distance > ZERO else -axis
+    strength = ONE
+    if light["inverse_square"] != 0:
+        strength = ONE / squared if squared > ZERO else ZERO
+    if light["inverse_range"] > ZERO:
+        s = squared * light["inverse_range"] * light["inverse_range"]
+        strength = strength * min(max(ONE - s * s, ZERO), ONE)
+    if kind == SPOT_LIGHT:
+        cone = min(max(-dot(axis, wi) * light["cone_scale"] + light["cone_offset"], ZERO), ONE)
+        strength = strength * (cone * cone)
+    return Illumination(wi, distance, intensity * strength)
+
+
+@kernel
+def ambient_radiance(lights, bsdf: Bsdf) -> Color:
+    """ka I_a, summed over the ambient lights (FoCG 4.5.3)."""
+    total = Color(ZERO, ZERO, ZERO)
+    for k in range(lights.shape[0]):
+        if lights[k]["kind"] == AMBIENT_LIGHT:
+            total = total + Color(lights[k]["intensity"][0], lights[k]["intensity"][1], lights[k]["intensity"][2])
+    return bsdf.ambient * total
+
+
+@kernel
+def lit_radiance(bsdf: Bsdf, wo: Vec3, light: Illumination) -> Color:
+    """The radiance towards the eye that a light causes."""
+    return eval_bsdf(bsdf, wo, light.wi) * light.irradiance

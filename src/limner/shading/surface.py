@@ -1,0 +1,268 @@
+"""The seen point: where ray tracing and rasterisation meet.
+
+Both find *which* triangle a raster point sees; what is there is computed here, from the same vertices by the same operations, so
+that both get the same bits. Barycentric coordinates come from the raster point and the vertices' homogeneous raster coordinates:
+with the vertices taken relative to the point, ``q_i = (x_i - x w_i, y_i - y w_i)``, the ratios of the areas ``q_j x q_k`` are the
+perspective-correct coordinates, also where a vertex lies behind the eye (Olano and Greer, *Triangle scan conversion using 2D
+homogeneous coordinates*, 1997). Their derivatives by x and y give the footprint of the pixel in the texture.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
+
+__all__ = [
+    "Barycentrics", "Footprint", "SurfacePoint", "barycentrics_at", "barycentrics_of_hit", "flip_to_front", "surface_at",
+    "to_raster", "transform_normal", "transform_point", "transform_vector",
+]  # fmt: skip
+
+f32 = np.float32
+_NO_TANGENT = f32(0.0)
+
+
+class Barycentrics(NamedTuple):
+    """Weights of the three vertices and their derivatives along the picture's x and y, per pixel."""
+
+    b0: np.float32
+    b1: np.float32
+    b2: np.float32
+    db0dx: np.float32
+    db1dx: np.float32
+    db0dy: np.float32
+    db1dy: np.float32
+
+
+class Footprint(NamedTuple):
+    """How the texture coordinates of set 0 and set 1 change from a pixel to its neighbour."""
+
+    dudx: np.float32
+    dvdx: np.float32
+    dudy: np.float32
+    dvdy: np.float32
+    du1dx: np.float32
+    dv1dx: np.float32
+    du1dy: np.float32
+    dv1dy: np.float32
+
+
+class SurfacePoint(NamedTuple):
+    """A point of a surface, in world space."""
+
+    position: Vec3
+    n: Vec3  # geometric normal, unit, to the front
+    ns: Vec3  # shading normal, unit, to the front
+    tangent: Vec3  # along u; not unit, zero where there is none
+    bitangent_sign: np.float32
+    u: np.float32
+    v: np.float32
+    u1: np.float32
+    v1: np.float32
+    color: Color  # vertex colour
+    alpha: np.float32
+    footprint: Footprint
+    material: int
+
+
+# --- transforms -----------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def transform_point(m, p: Vec3) -> Vec3:
+    """M p for a (3, 4) matrix: rotation, scale and translation."""
+    return Vec3(
+        m[0, 0] * p.x + m[0, 1] * p.y + m[0, 2] * p.z + m[0, 3],
+        m[1, 0] * p.x + m[1, 1] * p.y + m[1, 2] * p.z + m[1, 3],
+        m[2, 0] * p.x + m[2, 1] * p.y + m[2, 2] * p.z + m[2, 3],
+    )
+
+
+@kernel
+def transform_vector(m, v: Vec3) -> Vec3:
+    """M v for the linear part of a (3, 4) or (3, 3) matrix."""
+    return Vec3(
+        m[0, 0] * v.x + m[0, 1] * v.y + m[0, 2] * v.z,
+        m[1, 0] * v.x + m[1, 1] * v.y + m[1, 2] * v.z,
+        m[2, 0] * v.x + m[2, 1] * v.y + m[2, 2] * v.z,
+    )
+
+
+@kernel
+def transform_normal(instance, n: Vec3) -> Vec3:
+    """The unit normal in the world, by the cofactor matrix (FoCG 6.2.2)."""
+    return normalize(transform_vector(instance["world_from_normal"], n))
+
+
+@kernel
+def to_raster(raster_from_object, instance: int, p: Vec3):
+    """(x w, y w, depth, w) of an object-space point: homogeneous raster coordinates, and its distance along the gaze."""
+    m = raster_from_object
+    k = instance
+    return (
+        m[k, 0, 0] * p.x + m[k, 0, 1] * p.y + m[k, 0, 2] * p.z + m[k, 0, 3],
+        m[k, 1, 0] * p.x + m[k, 1, 1] * p.y + m[k, 1, 2] * p.z + m[k, 1, 3],
+        m[k, 2, 0] * p.x + m[k, 2, 1] * p.y + m[k, 2, 2] * p.z + m[k, 2, 3],
+        m[k, 3, 0] * p.x + m[k, 3, 1] * p.y + m[k, 3, 2] * p.z + m[k, 3, 3],
+    )
+
+
+# --- barycentric coordinates ----------------------------------------------------------------------------------------------
+
+
+@kernel
+def barycentrics_at(x: np.float32, y: np.float32, v0, v1, v2) -> Barycentrics:
+    """Perspective-correct barycentric coordinates of raster point (x, y) in the triangle of homogeneous raster vertices."""
+    q0x, q0y = v0[0] - x * v0[3], v0[1] - y * v0[3]
+    q1x, q1y = v1[0] - x * v1[3], v1[1] - y * v1[3]
+    q2x, q2y = v2[0] - x * v2[3], v2[1] - y * v2[3]
+    e0 = q1x * q2y - q1y * q2x
+    e1 = q2x * q0y - q2y * q0x
+    e2 = q0x * q1y - q0y * q1x
+    total = e0 + e1 + e2
+    inverse = ONE / total if total != ZERO else ZERO
+    # d q_i/dx = (-w_i, 0), d q_i/dy = (0, -w_i)
+    de0dx, de0dy = q1y * v2[3] - v1[3] * q2y, v1[3] * q2x - q1x * v2[3]
+    de1dx, de1dy = q2y * v0[3] - v2[3] * q0y, v2[3] * q0x - q2x * v0[3]
+    de2dx, de2dy = q0y * v1[3] - v0[3] * q1y, v0[3] * q1x - q0x * v1[3]
+    dtdx, dtdy = de0dx + de1dx + de2dx, de0dy + de1dy + de2dy
+    b0, b1 = e0 * inverse, e1 * inverse
+    return Barycentrics(
+        b0,
+        b1,
+        (ONE - b0) - b1,
+        (de0dx - b0 * dtdx) * inverse,
+        (de1dx - b1 * dtdx) * inverse,
+        (de0dy - b0 * dtdy) * inverse,
+        (de1dy - b1 * dtdy) * inverse,
+    )
+
+
+@kernel
+def barycentrics_of_hit(u: np.float32, v: np.float32) -> Barycentrics:
+    """Barycentric coordinates (1 - u - v, u, v) of a ray's hit, with no footprint."""
+    return Barycentrics((ONE - u) - v, u, v, ZERO, ZERO, ZERO, ZERO)
+
+
+# --- the point ------------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def _position(positions, row: int) -> Vec3:
+    return Vec3(positions[row, 0], positions[row, 1], positions[row, 2])
+
+
+@kernel
+def _direction(attributes, place: int) -> Vec3:
+    return Vec3(attributes[place], attributes[place + 1], attributes[place + 2])
+
+
+@kernel
+def _mix3(a: Vec3, b: Vec3, c: Vec3, w: Barycentrics) -> Vec3:
+    return a * w.b0 + b * w.b1 + c * w.b2
+
+
+@kernel
+def _mix(attributes, p0: int, p1: int, p2: int, w: Barycentrics) -> np.float32:
+    return attributes[p0] * w.b0 + attributes[p1] * w.b1 + attributes[p2] * w.b2
+
+
+@kernel
+def _change(attributes, p0: int, p1: int, p2: int, db0: np.float32, db1: np.float32) -> np.float32:
+    """The derivative of an attribute along a direction in which b0, b1 change so, and b2 = 1 - b0 - b1."""
+    return (attributes[p0] - attributes[p2]) * db0 + (attributes[p1] - attributes[p2]) * db1
+
+
+@kernel
+def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -> SurfacePoint:
+    """The surface point of an instance's triangle at barycentric coordinates w (FoCG 8.1.2, 10.2.2).
+
+    `scene_geometry` is (positions, triangles, attributes, slots); `triangle` counts from the mesh's first.
+    """
+    positions, triangles, attributes, slots = scene_geometry
+    row = mesh["triangle"] + triangle
+    i0, i1, i2 = triangles[row, 0], triangles[row, 1], triangles[row, 2]
+    start = mesh["position"]
+    o0, o1, o2 = _position(positions, start + i0), _position(positions, start + i1), _position(positions, start + i2)
+    m = instance["world_from_object"]
+    position = transform_point(m, _mix3(o0, o1, o2, w))
+    a, b = o1 - o0, o2 - o0
+    n = transform_normal(instance, Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x))
+
+    ns, tangent, sign = n, Vec3(ZERO, ZERO, ZERO), ONE
+    if mesh["normal"] >= 0:
+        k0, k1, k2 = i0, i1, i2
+        if mesh["normal_triangle"] >= 0:
+            k = mesh["normal_triangle"] + triangle
+            k0, k1, k2 = triangles[k, 0], triangles[k, 1], triangles[k, 2]
+        p = mesh["normal"]
+        smooth = _mix3(_direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2), w)
+        ns = transform_normal(instance, smooth)
+        ns = ns if dot(ns, ns) > f32(0.5) else n
+        if mesh["tangent"] >= 0:
+            p = mesh["tangent"]
+            along = _mix3(_direction(attributes, p + 4 * k0), _direction(attributes, p + 4 * k1), _direction(attributes, p + 4 * k2), w)
+            tangent = transform_vector(m, along)
+            sign = -ONE if attributes[p + 4 * k0 + 3] < ZERO else ONE
+            sign = -sign if instance["flipped"] != 0 else sign
+
+    u, v, u1, v1 = ZERO, ZERO, ZERO, ZERO
+    footprint = Footprint(ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+    if mesh["uv"] >= 0:
+        k0, k1, k2 = i0, i1, i2
+        if mesh["uv_triangle"] >= 0:
+            k = mesh["uv_triangle"] + triangle
+            k0, k1, k2 = triangles[k, 0], triangles[k, 1], triangles[k, 2]
+        p = mesh["uv"]
+        p0, p1, p2 = p + 2 * k0, p + 2 * k1, p + 2 * k2
+        u, v = _mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w)
+        dudx, dvdx = _change(attributes, p0, p1, p2, w.db0dx, w.db1dx), _change(attributes, p0 + 1, p1 + 1, p2 + 1, w.db0dx, w.db1dx)
+        dudy, dvdy = _change(attributes, p0, p1, p2, w.db0dy, w.db1dy), _change(attributes, p0 + 1, p1 + 1, p2 + 1, w.db0dy, w.db1dy)
+        if mesh["tangent"] < 0:
+            tangent, sign = _tangent_of_triangle(m, a, b, attributes, p0, p1, p2)
+        if mesh["uv1"] >= 0:
+            p = mesh["uv1"]
+            p0, p1, p2 = p + 2 * k0, p + 2 * k1, p + 2 * k2
+            u1, v1 = _mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w)
+            du1dx, dv1dx = _change(attributes, p0, p1, p2, w.db0dx, w.db1dx), _change(attributes, p0 + 1, p1 + 1, p2 + 1, w.db0dx, w.db1dx)
+            du1dy, dv1dy = _change(attributes, p0, p1, p2, w.db0dy, w.db1dy), _change(attributes, p0 + 1, p1 + 1, p2 + 1, w.db0dy, w.db1dy)
+            footprint = Footprint(dudx, dvdx, dudy, dvdy, du1dx, dv1dx, du1dy, dv1dy)
+        else:
+            footprint = Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO)
+
+    color, alpha = Color(ONE, ONE, ONE), ONE
+    if mesh["color"] >= 0:
+        p = mesh["color"]
+        p0, p1, p2 = p + 4 * i0, p + 4 * i1, p + 4 * i2
+        color = Color(_mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w), _mix(attributes, p0 + 2, p1 + 2, p2 + 2, w))
+        alpha = _mix(attributes, p0 + 3, p1 + 3, p2 + 3, w)
+
+    material = instance["material"]
+    if mesh["slot"] >= 0:
+        material = material + slots[mesh["slot"] + triangle]
+    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material)
+
+
+@kernel
+def _tangent_of_triangle(m, a: Vec3, b: Vec3, attributes, p0: int, p1: int, p2: int):
+    """The direction in which u grows, and whether v grows to its left (+1) or right (-1), constant over the triangle."""
+    du1, dv1 = attributes[p1] - attributes[p0], attributes[p1 + 1] - attributes[p0 + 1]
+    du2, dv2 = attributes[p2] - attributes[p0], attributes[p2 + 1] - attributes[p0 + 1]
+    area = du1 * dv2 - du2 * dv1
+    sign = -ONE if area < ZERO else ONE
+    # Scaled by the sign alone: only the direction counts, and a degenerate area must not blow it up.
+    return transform_vector(m, (a * dv2 - b * dv1) * sign), sign
+
+
+@kernel
+def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
+    """Turn both normals to the side that is seen; a shading normal that looks away stays on the geometric one's side."""
+    n = point.n if dot(point.n, wo) >= ZERO else -point.n
+    ns = point.ns if dot(point.ns, n) >= ZERO else -point.ns
+    return SurfacePoint(
+        point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
+        point.footprint, point.material,
+    )  # fmt: skip

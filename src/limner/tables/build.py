@@ -1,0 +1,328 @@
+"""From the scene to the tables: the one step between what people write and what kernels read."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..linear.transform import normal_matrix
+from ..mesh import primitives
+from ..mesh.mesh import Mesh
+from ..scene.camera import Camera, PerspectiveCamera
+from ..scene.light import AmbientLight, DirectionalLight, Light, SpotLight
+from ..scene.material import BlinnPhong, Lambert, Material, MetallicRoughness
+from ..scene.scene import Scene
+from ..scene.shape import Box, Plane, Shape, Sphere
+from ..scene.texture import Texture
+from . import layouts
+from .camera import camera_record, near_and_far, raster_from_world
+from .layouts import SceneTables
+from .textures import texture_tables
+
+__all__ = ["View", "build", "names", "view"]
+
+_CHORD_ERROR = 0.1  # pixels between a sphere and its tessellation
+_HORIZON = 1e5  # how far an infinite plane is drawn, in units of the distance that matters
+_ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
+
+
+class View(NamedTuple):
+    """A camera with a picture size.
+
+    Attributes
+    ----------
+    camera : (1,) CAMERA
+    raster_from_object : (n, 4, 4) float32
+        One for every instance: object space to (x w, y w, depth, w).
+    """
+
+    camera: NDArray[np.void]
+    raster_from_object: NDArray[np.float32]
+
+
+def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: int) -> View:
+    """The part of the tables that depends on the camera alone."""
+    near, far = near_and_far(camera, scene.bounds())
+    to_raster = raster_from_world(camera, width, height, near, far)
+    places = np.array([placed.world_from_object for placed, _ in scene.shapes()]).reshape(-1, 4, 4)
+    return View(camera_record(camera, width, height, near, far), (to_raster @ places).astype(np.float32))
+
+
+def names(scene: Scene) -> dict[str, tuple[str, ...]]:
+    """What the ids in the AOVs mean: the path of the node of each instance, the name of each material."""
+    rows, _ = _material_rows(scene)
+    return {
+        "instance_id": tuple(placed.path for placed, _ in scene.shapes()),
+        "material_id": tuple(material.name or type(material).__name__ for material in rows),
+    }
+
+
+def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
+    """Flatten a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera
+    width, height : int
+        Decide how finely spheres are tessellated where triangles are needed: to a tenth of a pixel.
+    """
+    geometry = _Geometry()
+    materials, first_material = _material_rows(scene)
+    pixels_per_unit = _pixels_per_unit(camera, height)
+    eye = np.asarray(camera.world_from_camera)[:3, 3]
+    shapes = scene.shapes()
+    instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
+    for row, (placed, shape) in zip(instances, shapes, strict=True):
+        matrix = placed.world_from_object
+        row["world_from_object"] = matrix[:3]
+        row["object_from_world"] = _inverse(matrix)[:3]
+        row["world_from_normal"] = _unit_scale(normal_matrix(matrix))
+        row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
+        row["material"] = first_material[_material_key(shape)]
+        row["kind"], row["size"] = _kind_and_size(shape)
+        row["mesh"] = geometry.add(_tessellation(shape, matrix, eye, camera, pixels_per_unit, scene.bounds()))
+    textures: dict[Texture, int] = {}
+    material_table = _material_table(materials, textures)
+    texture_table, texels = texture_tables(list(textures))
+    return SceneTables(
+        instances, *geometry.tables(), material_table, _light_table(scene), texture_table, texels
+    )  # fmt: skip
+
+
+# --- geometry -------------------------------------------------------------------------------------------------------------
+
+
+class _Geometry:
+    """Meshes one after the other; one that is shown several times stands there once."""
+
+    def __init__(self) -> None:
+        self._rows: dict[int, int] = {}
+        self._kept: list[Mesh] = []
+        self._ranges: list[tuple[int, ...]] = []
+        self._positions: list[NDArray[np.float32]] = []
+        self._triangles: list[NDArray[np.int32]] = []
+        self._attributes: list[NDArray[np.float32]] = []
+        self._slots: list[NDArray[np.int32]] = []
+        self._n = dict.fromkeys(("positions", "triangles", "attributes", "slots"), 0)
+
+    def add(self, mesh: Mesh) -> int:
+        if id(mesh) not in self._rows:
+            self._rows[id(mesh)] = len(self._kept)
+            self._kept.append(mesh)
+            self._ranges.append(
+                (
+                    self._append("positions", mesh.positions),
+                    len(mesh.positions),
+                    self._append("triangles", mesh.triangles),
+                    len(mesh.triangles),
+                    self._attribute(mesh.normals),
+                    self._append("triangles", mesh.normal_triangles),
+                    self._attribute(mesh.uvs),
+                    self._append("triangles", mesh.uv_triangles),
+                    self._attribute(mesh.uvs1),
+                    self._attribute(_with_alpha(mesh.colors)),
+                    self._attribute(mesh.tangents),
+                    self._append("slots", mesh.triangle_materials),
+                )
+            )
+        return self._rows[id(mesh)]
+
+    def _append(self, family: str, array: NDArray[np.generic] | None) -> int:
+        if array is None:
+            return -1
+        start = self._n[family]
+        getattr(self, f"_{family}").append(array)
+        self._n[family] += len(array)
+        return start
+
+    def _attribute(self, array: NDArray[np.float32] | None) -> int:
+        return self._append("attributes", None if array is None else np.nan_to_num(array).reshape(-1))
+
+    def tables(self) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]:
+        ranges = np.array(self._ranges, dtype=layouts.MESH_RANGES).reshape(-1)
+        return (
+            ranges,
+            _joined(self._positions, np.float32, (0, 3)),
+            _joined(self._triangles, np.int32, (0, 3)),
+            _joined(self._attributes, np.float32, (0,)),
+            _joined(self._slots, np.int32, (0,)),
+        )
+
+
+def _joined(parts: list[NDArray[np.generic]], dtype: type, empty: tuple[int, ...]) -> NDArray:  # type: ignore[type-arg]
+    """One writeable contiguous array: a read-only one would be another type to a kernel."""
+    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype=dtype)
+
+
+def _with_alpha(colors: NDArray[np.float32] | None) -> NDArray[np.float32] | None:
+    if colors is None or colors.shape[1] == 4:
+        return colors
+    return np.concatenate([colors, np.ones((len(colors), 1), dtype=np.float32)], axis=1)
+
+
+def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The inverse, or the pseudo-inverse of a transform that flattens."""
+    try:
+        return np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(matrix)
+
+
+def _unit_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    largest = np.abs(matrix).max()
+    return matrix / largest if largest > 0.0 else np.eye(3)
+
+
+def _kind_and_size(shape: Shape) -> tuple[int, tuple[float, float, float]]:
+    geometry = shape.geometry
+    if isinstance(geometry, Sphere):
+        return layouts.SPHERE, (geometry.radius, geometry.radius, geometry.radius)
+    if isinstance(geometry, Box):
+        x, y, z = geometry.size
+        return layouts.BOX, (x / 2.0, y / 2.0, z / 2.0)
+    if isinstance(geometry, Plane):
+        return layouts.PLANE, (0.0, 0.0, 0.0)
+    return layouts.MESH, (0.0, 0.0, 0.0)
+
+
+def _pixels_per_unit(camera: Camera, height: int) -> float:
+    """Pixels per unit of length at distance 1 (perspective) or anywhere (orthographic)."""
+    half = camera.half_height() if isinstance(camera, PerspectiveCamera) else camera.height / 2.0
+    return height / (2.0 * half)
+
+
+def _tessellation(
+    shape: Shape,
+    matrix: NDArray[np.float64],
+    eye: NDArray[np.float64],
+    camera: Camera,
+    pixels_per_unit: float,
+    bounds: NDArray[np.float64],
+) -> Mesh:
+    """The triangles that stand for a shape."""
+    geometry = shape.geometry
+    if isinstance(geometry, Mesh):
+        return geometry
+    if isinstance(geometry, Box):
+        return primitives.box(geometry.size)
+    if isinstance(geometry, Sphere):
+        largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * geometry.radius
+        distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest)
+        radius = largest * pixels_per_unit / (distance if isinstance(camera, PerspectiveCamera) else 1.0)
+        return primitives.sphere(geometry.radius, _sphere_segments(radius))
+    return _plane_around(matrix, eye, bounds)
+
+
+def _sphere_segments(radius_in_pixels: float) -> int:
+    """Segments of a great circle whose chords stay within a tenth of a pixel: r (1 - cos(pi/n)) <= 1/10."""
+    ratio = min(_CHORD_ERROR / max(radius_in_pixels, 1e-9), 1.0)
+    return int(min(max(math.ceil(math.pi / math.acos(1.0 - ratio)), 16), 512))
+
+
+def _plane_around(matrix: NDArray[np.float64], eye: NDArray[np.float64], bounds: NDArray[np.float64]) -> Mesh:
+    """The infinite plane as rings around the point below the eye, as far as the horizon needs."""
+    local = _inverse(matrix) @ np.append(eye, 1.0)
+    height = abs(float(local[1]))
+    extent = float(np.linalg.norm(bounds[1] - bounds[0])) if np.isfinite(bounds).all() else 1.0
+    reach = max(height, extent, 1e-6)
+    return primitives.plane_disk((float(local[0]), float(local[2])), max(0.25 * height, 1e-4 * reach), _HORIZON * reach, 48)
+
+
+# --- materials ------------------------------------------------------------------------------------------------------------
+
+
+def _material_key(shape: Shape) -> tuple[int, ...]:
+    return tuple(id(material) for material in shape.materials)
+
+
+def _material_rows(scene: Scene) -> tuple[list[Material], dict[tuple[int, ...], int]]:
+    """Materials in the order of their first use, those of one shape side by side, and where each such group begins."""
+    rows: list[Material] = []
+    first: dict[tuple[int, ...], int] = {}
+    for _, shape in scene.shapes():
+        key = _material_key(shape)
+        if key not in first:
+            first[key] = len(rows)
+            rows.extend(shape.materials)
+    return rows, first
+
+
+def _material_table(materials: list[Material], textures: dict[Texture, int]) -> NDArray[np.void]:
+    table = np.zeros(len(materials), dtype=layouts.MATERIAL)
+    for row, material in zip(table, materials, strict=True):
+        row["alpha"], row["alpha_cutoff"] = material.alpha, material.alpha_cutoff
+        row["alpha_mode"] = _ALPHA_MODES[material.alpha_mode]
+        row["double_sided"], row["emission"] = material.double_sided, material.emission
+        row["specular_scale"] = row["normal_scale"] = row["roughness"] = row["exponent"] = 1.0
+        for field in layouts.MATERIAL.names or ():
+            if field.endswith("_texture"):
+                row[field] = -1
+        _FILL[type(material)](row, material, textures)
+    return table
+
+
+def _row(texture: Texture | None, textures: dict[Texture, int]) -> int:
+    return -1 if texture is None else textures.setdefault(texture, len(textures))
+
+
+def _fill_lambert(row: np.void, material: Lambert, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"], row["ambient"] = layouts.LAMBERT, material.color, (-1.0, -1.0, -1.0)
+    row["color_texture"] = _row(material.texture, textures)
+
+
+def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"], row["specular"] = layouts.BLINN_PHONG, material.diffuse, material.specular
+    row["exponent"], row["mirror"] = material.exponent, material.mirror
+    row["ambient"] = (-1.0, -1.0, -1.0) if material.ambient is None else material.ambient
+    row["specular_scale"] = (material.exponent + 8.0) / 8.0 if material.normalized else 1.0
+    row["color_texture"] = _row(material.diffuse_texture, textures)
+    row["specular_texture"] = _row(material.specular_texture, textures)
+
+
+def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"], row["ambient"] = layouts.METALLIC_ROUGHNESS, material.base_color, (-1.0, -1.0, -1.0)
+    row["metallic"], row["roughness"], row["unlit"] = material.metallic, material.roughness, material.unlit
+    row["normal_scale"], row["occlusion_strength"] = material.normal_scale, material.occlusion_strength
+    row["color_texture"] = _row(material.base_color_texture, textures)
+    row["metallic_roughness_texture"] = _row(material.metallic_roughness_texture, textures)
+    row["normal_texture"] = _row(material.normal_texture, textures)
+    row["occlusion_texture"] = _row(material.occlusion_texture, textures)
+    row["emission_texture"] = _row(material.emissive_texture, textures)
+
+
+_FILL = {Lambert: _fill_lambert, BlinnPhong: _fill_blinn_phong, MetallicRoughness: _fill_metallic_roughness}
+
+
+# --- lights ---------------------------------------------------------------------------------------------------------------
+
+
+def _light_table(scene: Scene) -> NDArray[np.void]:
+    lights = scene.lights()
+    table = np.zeros(len(lights), dtype=layouts.LIGHT)
+    for row, (placed, light) in zip(table, lights, strict=True):
+        row["position"] = placed.world_from_object[:3, 3]
+        axis = -placed.world_from_object[:3, 2]
+        row["direction"] = axis / (np.linalg.norm(axis) or 1.0)
+        row["intensity"] = np.array(light.color) * light.intensity
+        _fill_light(row, light)
+    return table
+
+
+def _fill_light(row: np.void, light: Light) -> None:
+    if isinstance(light, AmbientLight):
+        row["kind"] = layouts.AMBIENT_LIGHT
+    elif isinstance(light, DirectionalLight):
+        row["kind"] = layouts.DIRECTIONAL_LIGHT
+    else:
+        row["kind"] = layouts.POINT_LIGHT
+        row["inverse_square"] = light.falloff == "inverse_square"
+        row["inverse_range"] = 1.0 / light.range if light.range is not None else 0.0
+        if isinstance(light, SpotLight):
+            row["kind"] = layouts.SPOT_LIGHT
+            inner, outer = math.cos(math.radians(light.inner_degrees)), math.cos(math.radians(light.outer_degrees))
+            row["cone_scale"] = 1.0 / max(1e-3, inner - outer)
+            row["cone_offset"] = -outer * float(row["cone_scale"])

@@ -1,0 +1,110 @@
+"""Tiles on threads: the driver of every renderer. It owns the progress and the cancelling, and nothing else.
+
+A tile is a rectangle of the picture and belongs to one thread at a time; what a pixel becomes does not depend on the tile it lies
+in, so that threads and tiles cannot change a bit.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import NamedTuple, Protocol, TypeVar
+
+from .errors import SceneError
+
+__all__ = ["Cancelled", "OnProgress", "Tile", "run_all", "thread_count", "tiles_of"]
+
+T = TypeVar("T")
+
+OnProgress = Callable[[float], None]
+"""Called now and then, from the calling thread, with the part that is done: 0 to 1."""
+
+
+class Cancel(Protocol):
+    """What can be asked whether to stop: a threading.Event."""
+
+    def is_set(self) -> bool: ...
+
+
+class Cancelled(Exception):  # noqa: N818 - not an error: the picture so far is kept
+    """The work was stopped before its end."""
+
+
+class Tile(NamedTuple):
+    """A rectangle of the picture, rows counted from the bottom."""
+
+    index: int
+    first_column: int
+    first_row: int
+    columns: int
+    rows: int
+
+
+def tiles_of(width: int, height: int, size: int) -> list[Tile]:
+    """Cut a picture into tiles of `size` pixels a side, row by row from the bottom."""
+    starts = [(i, j) for j in range(0, height, size) for i in range(0, width, size)]
+    return [Tile(k, i, j, min(size, width - i), min(size, height - j)) for k, (i, j) in enumerate(starts)]
+
+
+def thread_count(threads: int | None) -> int:
+    """How many threads to use: all cores that this process may use, unless told otherwise."""
+    if threads is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if threads < 1:
+        raise SceneError(f"threads must be at least 1, got {threads}")
+    return int(threads)
+
+
+def run_all(
+    work: Callable[[T], object],
+    items: Sequence[T] | Iterable[T],
+    threads: int,
+    on_progress: OnProgress | None = None,
+    cancel: Cancel | None = None,
+) -> None:
+    """Run `work` on every item, on some threads. An error in one stops the rest and is raised; an interrupt likewise.
+
+    Raises Cancelled where `cancel` was set.
+    """
+    waiting = list(items)
+    if threads == 1 or len(waiting) < 2:
+        for done, item in enumerate(waiting):
+            _stop_if(cancel)
+            work(item)
+            if on_progress is not None:
+                on_progress((done + 1) / len(waiting))
+        return
+    stop = threading.Event()
+
+    def guarded(item: T) -> None:
+        if not stop.is_set():
+            work(item)
+
+    with ThreadPoolExecutor(threads) as pool:
+        pending: set[Future[None]] = {pool.submit(guarded, item) for item in waiting}
+        try:
+            _wait_for(pending, len(waiting), on_progress, cancel)
+        except BaseException:
+            stop.set()
+            raise
+
+
+def _wait_for(pending: set[Future[None]], total: int, on_progress: OnProgress | None, cancel: Cancel | None) -> None:
+    last = time.monotonic()
+    while pending:
+        done, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
+        for future in done:
+            future.result()
+        _stop_if(cancel)
+        now = time.monotonic()
+        if on_progress is not None and (now - last > 0.05 or not pending):
+            last = now
+            on_progress((total - len(pending)) / total)
+
+
+def _stop_if(cancel: Cancel | None) -> None:
+    if cancel is not None and cancel.is_set():
+        raise Cancelled

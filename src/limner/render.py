@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .aov import CHANNELS, channels, empty_values, with_solid_blends
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .image.image import Image
 from .progress import Meter, OnProgress
 from .raster import pipeline
-from .raytrace import aov as aov_pass
 from .raytrace import driver as ray_driver
 from .samples import pixel_samples
 from .scene.camera import Camera
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "render"]
 
 RENDERERS = ("raster", "ray")
-AOVS = aov_pass.CHANNELS
+AOVS = CHANNELS
 MAX_SIDE = 32768
 MAX_PIXELS = 1 << 28
 MAX_SAMPLES = 1 << 16
@@ -181,8 +181,10 @@ def _aov_pass(
 ) -> dict[str, NDArray[Any]]:
     if not wanted:
         return {}
-    made = aov_pass.draw(tables, seen, threads=threads, tile_size=tile_size)
-    return {name: np.ascontiguousarray(made[name][::-1]) for name in wanted}
+    values, ids = empty_values(int(seen.camera["width"][0]), int(seen.camera["height"][0]))
+    draw_channels = pipeline.draw_channels if renderer == "raster" else ray_driver.draw_channels
+    draw_channels(with_solid_blends(tables), seen, values, ids, threads=threads, tile_size=tile_size)
+    return channels(wanted, values, ids)
 
 
 def _developed(film: NDArray[np.float32], n: int) -> tuple[NDArray[np.float32], list[str]]:

@@ -12,7 +12,7 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.vec import ZERO
 from ..shading.bsdf import alpha_at
-from ..shading.surface import barycentrics_at, surface_at
+from ..shading.visible import visible_point
 from ..tables.layouts import BLEND, MASK
 from .layouts import SUBPIXELS
 
@@ -46,14 +46,12 @@ def vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_v
 
 
 @kernel
-def _covers(screen_triangle, x: np.float32, y: np.float32, scene, frame) -> bool:
+def _covers(screen_triangle, x: np.float32, y: np.float32, camera, scene, frame) -> bool:
     """The alpha test of a masked material at raster point (x, y)."""
-    instances, meshes, positions, triangles, attributes, slots, materials, _, textures, texels = scene
+    instances, meshes, _, triangles, _, _, materials, _, textures, texels = scene
     vertices, first_vertex = frame
-    instance = instances[screen_triangle["instance"]]
     v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
-    w = barycentrics_at(x, y, v0, v1, v2)
-    point = surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], screen_triangle["triangle"], w)
+    point = visible_point(scene, camera, screen_triangle["instance"], screen_triangle["triangle"], v0, v1, v2, x, y)
     return alpha_at(materials[point.material], point, textures, texels) > ZERO
 
 
@@ -69,7 +67,7 @@ def _bounds(screen_triangle, window, ox: int, oy: int):
 
 
 @kernel
-def fill_opaque(screen, binned, first, last, window, ox, oy, scene, frame, depth, seen):
+def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen):
     """Draw a tile's opaque and masked triangles into its depth buffer and `seen`, the row of the screen triangle or -1.
 
     (ox, oy) is the sample's place in its pixel, on the subpixel grid.
@@ -96,7 +94,7 @@ def fill_opaque(screen, binned, first, last, window, ox, oy, scene, frame, depth
                 if (e0 | e1 | e2) >= 0:
                     entered = True
                     z = zy + t["dzdx"] * (f32(i - t["x_reference"]) + fx)
-                    if z > depth[place + i] and (t["alpha_mode"] != MASK or _covers(t, f32(i) + fx, f32(j) + fy, scene, frame)):
+                    if z > depth[place + i] and (t["alpha_mode"] != MASK or _covers(t, f32(i) + fx, f32(j) + fy, camera, scene, frame)):
                         depth[place + i] = z
                         seen[place + i] = binned[k]
                 elif entered:

@@ -21,7 +21,7 @@ from ..tables.layouts import SCENE_ARRAYS, SceneTables
 from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
 from .layouts import MAX_CLIPPED, SCREEN_TRIANGLE
 
-__all__ = ["TILE_SIZE", "draw"]
+__all__ = ["TILE_SIZE", "draw", "draw_channels"]
 
 TILE_SIZE = 64
 _CHUNK = 8192  # vertices or triangles that make a job worth a call
@@ -75,6 +75,17 @@ _DRAW = Door(
     "the raster renderer",
 )  # fmt: skip
 
+_DRAW_AOV = Door(
+    "limner.raster.aov_tile",
+    "draw_aov_tile",
+    (
+        *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
+        Array(np.int32, 1), Array(np.int64, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 3), Array(np.int32, 3),
+        _I64, _I64, _I64, _I64, _I64,
+    ),
+    "the raster renderer's channels",
+)  # fmt: skip
+
 
 class Vertices(NamedTuple):
     """What the vertex stage leaves: (n, 4) float32 (x w, y w, depth, w), and where each instance's begin."""
@@ -117,13 +128,39 @@ def draw(
 
     Raises Cancelled; the film then holds the tiles that are done.
     """
-    height, width = film.shape[:2]
-    vertices = _transform(tables, view, threads)
-    screen_chunks, screen = _assemble(tables, view, vertices, threads)
-    bins = _bin(screen, screen_chunks, width, height, tile_size, threads)
+    vertices, bins = _geometry(tables, view, *film.shape[1::-1], tile_size, threads)
     _draw_tiles(
         tables, view, vertices, bins, sample_places, background, film, tile_size, threads, on_progress, cancel
     )  # fmt: skip
+
+
+def draw_channels(
+    tables: SceneTables, view: View, values: NDArray[np.float32], ids: NDArray[np.int32], *, threads: int, tile_size: int = TILE_SIZE
+) -> None:
+    """Fill the channels beside the picture (`limner.aov`) from the sample in the centre of each pixel.
+
+    Parameters
+    ----------
+    tables, view : SceneTables, View
+        Without blended materials.
+    values, ids : (height, width, 16) float32, (height, width, 3) int32
+        As `limner.aov.empty_values` makes them; row 0 at the bottom.
+    """
+    height, width = ids.shape[:2]
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
+    scratch = _Scratch(tile_size * tile_size)
+
+    def draw_tile(tile: Tile) -> None:
+        _DRAW_AOV(*tables, view.camera, *vertices, *bins, *scratch.arrays[:2], values, ids, *tile)
+
+    run_all(draw_tile, tiles_of(width, height, tile_size), threads)
+
+
+def _geometry(tables: SceneTables, view: View, width: int, height: int, tile_size: int, threads: int) -> tuple[Vertices, Bins]:
+    """The stages before the pixels: vertices, assembly and clipping, bins."""
+    vertices = _transform(tables, view, threads)
+    chunks, screen = _assemble(tables, view, vertices, threads)
+    return vertices, _bin(screen, chunks, width, height, tile_size, threads)
 
 
 def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:

@@ -70,7 +70,7 @@ def draw_tile(
     for s in range(first_sample, last_sample):
         ox, oy = sample_places[s, 0], sample_places[s, 1]
         _clear(depth, seen, farthest, n)
-        fill_opaque(screen, binned, first, last, window, ox, oy, scene, frame, depth, seen)
+        fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen)
         for p in range(n):
             layers[p, 0], layers[p, 1], layers[p, 2], transmittance[p] = ZERO, ZERO, ZERO, ONE
         if has_blend != 0:

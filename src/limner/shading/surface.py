@@ -240,7 +240,7 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
         color = Color(_mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w), _mix(attributes, p0 + 2, p1 + 2, p2 + 2, w))
         alpha = _mix(attributes, p0 + 3, p1 + 3, p2 + 3, w)
 
-    material = instance["material"]
+    material = np.int64(instance["material"])
     if mesh["slot"] >= 0:
         material = material + slots[mesh["slot"] + triangle]
     return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material)

@@ -213,7 +213,7 @@ def _tessellation(
         largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * geometry.radius
         distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest)
         radius = largest * pixels_per_unit / (distance if isinstance(camera, PerspectiveCamera) else 1.0)
-        return primitives.sphere(geometry.radius, _sphere_segments(radius))
+        return primitives.sphere(geometry.radius, -(-_sphere_segments(radius) // 2))
     return _plane_around(matrix, eye, bounds)
 
 

@@ -1,0 +1,61 @@
+"""What the acceleration structures hold."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._door import Array
+
+__all__ = ["ACCELERATOR_ARRAYS", "NODE", "PRIMITIVE", "STACK_SIZE", "Accelerator"]
+
+f32, i32 = np.float32, np.int32
+
+NODE = np.dtype(
+    [
+        ("box", f32, 12),  # low and high corner of the left child, then of the right
+        ("child", i32, 2),  # >= 0: a node; < 0: the leaf that begins at primitive -1 - child
+        ("count", i32, 2),  # primitives of a leaf
+    ],
+    align=True,
+)
+
+PRIMITIVE = np.dtype(
+    [
+        ("instance", i32),
+        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere
+        ("facing", i32),  # 0: both sides are seen; 1, -1: only the side from which it winds counter-clockwise, clockwise
+        ("opaque", i32),  # 0: masked or blended
+    ],
+    align=True,
+)
+
+STACK_SIZE = 96
+"""Nodes that wait during a walk; the builder keeps trees shallower than this."""
+
+
+class Accelerator(NamedTuple):
+    """A tree over the primitives of a scene, in world space.
+
+    Attributes
+    ----------
+    nodes : (n,) NODE
+        The root first; none: the primitives are tried one after the other.
+    primitives : (m,) PRIMITIVE
+        In the order of the leaves.
+    corners : (m, 9) float32
+        The vertices of the triangles among them.
+    planes : (k,) int32
+        Instances without bounds, tried by every ray.
+    """
+
+    nodes: NDArray[np.void]
+    primitives: NDArray[np.void]
+    corners: NDArray[np.float32]
+    planes: NDArray[np.int32]
+
+
+ACCELERATOR_ARRAYS = (Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1))
+"""The door arguments that an Accelerator unpacks to."""

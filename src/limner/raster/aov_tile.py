@@ -1,0 +1,40 @@
+"""The channels beside the picture, from the sample in the centre of each pixel."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._jit import kernel
+from ..kernel.vec import ZERO
+from ..shading.aov import write_aov
+from ..shading.visible import visible_point
+from ..tables.layouts import PERSPECTIVE
+from .fill import fill_opaque, vertices_of
+
+__all__ = ["draw_aov_tile"]
+
+f32, i32 = np.float32, np.int32
+
+
+@kernel
+def draw_aov_tile(
+    instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+    camera_table, vertices, first_vertex, screen, binned, bin_range, depth, seen, values, ids,
+    tile, first_column, first_row, columns, rows,
+):  # fmt: skip
+    """Fill the channels of a tile: values (height, width, 16), ids (height, width, 3), row 0 at the bottom."""
+    scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
+    frame = (vertices, first_vertex)
+    camera = camera_table[0]
+    window = (first_column, first_row, columns, rows)
+    farthest = camera["near"] / camera["far"] if camera["kind"] == PERSPECTIVE else ZERO
+    for p in range(columns * rows):
+        depth[p], seen[p] = farthest, i32(-1)
+    fill_opaque(screen, binned, bin_range[tile], bin_range[tile + 1], window, 0, 0, camera, scene, frame, depth, seen)
+    for p in range(columns * rows):
+        if seen[p] >= 0:
+            i, j = first_column + p % columns, first_row + p // columns
+            t = screen[seen[p]]
+            v0, v1, v2 = vertices_of(t, instances, meshes, triangles, vertices, first_vertex)
+            point = visible_point(scene, camera, t["instance"], t["triangle"], v0, v1, v2, f32(i), f32(j))
+            write_aov(scene, camera, t["instance"], t["triangle"], point, values, ids, i, j)

@@ -1,0 +1,125 @@
+"""The `ray` renderer: build the accelerator, then trace tile after tile on all threads."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._door import Array, Door, Scalar
+from ..accel import bvh
+from ..accel.layouts import ACCELERATOR_ARRAYS, STACK_SIZE
+from ..tables import layouts
+from ..tables.build import View
+from ..tables.layouts import SCENE_ARRAYS, SceneTables
+from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
+
+__all__ = ["draw", "draw_channels"]
+
+MAX_PENDING = 32  # rays of one tree that wait
+_I64 = Scalar(np.int64)
+
+_TRACE = Door(
+    "limner.raytrace.tile",
+    "trace_tile",
+    (
+        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.int32, 2), Array(np.float32, 1),
+        _I64, _I64, _I64, Array(np.float32, 2), Array(np.int32, 1), Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64, _I64, _I64,
+    ),
+    "the ray renderer",
+)  # fmt: skip
+
+_TRACE_AOV = Door(
+    "limner.raytrace.aov_tile",
+    "trace_aov_tile",
+    (
+        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.int32, 1), Array(np.float32, 3),
+        Array(np.int32, 3), _I64, _I64, _I64, _I64, _I64,
+    ),
+    "the ray renderer's channels",
+)  # fmt: skip
+
+
+class _Scratch(threading.local):
+    """Rays and nodes that wait, once for each thread."""
+
+    def __init__(self) -> None:
+        self.arrays = (np.empty((MAX_PENDING, 10), dtype=np.float32), np.empty(STACK_SIZE, dtype=np.int32))
+
+
+def draw(
+    tables: SceneTables,
+    view: View,
+    sample_places: NDArray[np.int32],
+    background: NDArray[np.float32],
+    film: NDArray[np.float32],
+    *,
+    max_depth: int,
+    shadows: bool,
+    threads: int,
+    tile_size: int,
+    accelerator: bvh.Kind = "bvh",
+    on_progress: OnProgress | None = None,
+    cancel: Cancel | None = None,
+) -> None:
+    """Trace a scene and add it to the film.
+
+    Parameters
+    ----------
+    tables, view : SceneTables, View
+    sample_places : (n, 2) int32
+        The samples of every pixel, relative to its centre, in 1/256 pixel.
+    background : (4,) float32
+        Radiance and alpha of what lies behind everything.
+    film : (height, width, 4) float32
+        Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
+    max_depth : int
+        How often a ray is reflected at most.
+    shadows : bool
+    accelerator : "bvh" | "linear"
+
+    Raises Cancelled; the film then holds the tiles that are done.
+    """
+    height, width = film.shape[:2]
+    tree = bvh.build(tables, accelerator)
+    scratch = _Scratch()
+    has_alpha = int((tables.materials["alpha_mode"] != layouts.OPAQUE).any())
+
+    def trace_tile(tile: Tile) -> None:
+        _TRACE(
+            *tables, *tree, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch.arrays, film, *tile,
+            0, len(sample_places),
+        )  # fmt: skip
+
+    # A traced tile costs more than a drawn one: smaller tiles keep the threads level and the progress smooth.
+    run_all(trace_tile, tiles_of(width, height, max(8, tile_size // 2)), threads, on_progress, cancel)
+
+
+def draw_channels(
+    tables: SceneTables,
+    view: View,
+    values: NDArray[np.float32],
+    ids: NDArray[np.int32],
+    *,
+    threads: int,
+    tile_size: int,
+    accelerator: bvh.Kind = "bvh",
+) -> None:
+    """Fill the channels beside the picture (`limner.aov`) from one ray through the centre of each pixel.
+
+    Parameters
+    ----------
+    tables, view : SceneTables, View
+        Without blended materials.
+    values, ids : (height, width, 16) float32, (height, width, 3) int32
+        As `limner.aov.empty_values` makes them; row 0 at the bottom.
+    """
+    height, width = ids.shape[:2]
+    tree = bvh.build(tables, accelerator)
+    scratch = _Scratch()
+    run_all(
+        lambda tile: _TRACE_AOV(*tables, *tree, *view, scratch.arrays[1], values, ids, *tile),
+        tiles_of(width, height, tile_size),
+        threads,
+    )

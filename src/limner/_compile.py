@@ -43,13 +43,24 @@ class _DoorLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
 
+class _Uncallable(dict):  # type: ignore[type-arg]
+    """Stands where the entry point of an inner kernel would be; a call from Python ends in an error that says so."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+
+    def __missing__(self, argument: Any) -> Any:
+        raise TypeError(f"{self.name} is compiled into doors: call it from a kernel, or with LIMNER_MODE=python")
+
+
 def _context(targetctx: Any, library_class: type) -> Any:
     context = copy.copy(targetctx)
     codegen = copy.copy(targetctx.codegen())
     codegen._library_class = library_class
     context.codegen = lambda: codegen
     # A dispatcher insists on a builtin as entry point, and Numba knows the function by it: one of its own for each kernel.
-    context.get_executable = lambda library, fndesc, env: [fndesc.unique_name].append
+    context.get_executable = lambda library, fndesc, env: _Uncallable(fndesc.qualname).__getitem__
     return context
 
 

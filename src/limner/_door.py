@@ -21,6 +21,7 @@ import hashlib
 import importlib
 import importlib.util
 import logging
+import operator
 import os
 import re
 import tempfile
@@ -39,7 +40,7 @@ __all__ = ["Array", "Door", "Scalar", "Signature", "cache_folder", "doors", "war
 
 _log = logging.getLogger("limner")
 _PACKAGE = Path(__file__).parent
-_KEPT_FILES = 64  # about two renderers on four CPUs over a few versions
+_KEPT_FILES = 256  # some tens of doors, on a few CPUs, over a few versions
 
 
 class Array(NamedTuple):
@@ -92,27 +93,35 @@ class Door:
         self.bind(*arguments)()
 
     def bind(self, *arguments: Any) -> Callable[..., None]:
-        """Convert the leading arguments once; the result takes the remaining scalars."""
+        """Convert the leading arguments once; the result takes the remaining ones."""
         self.open()
-        if self._python is not None:
-            return _uncompiled(self._python, self.signature, arguments)
-        entry = self._entry
-        assert entry is not None
-        head: list[Any] = [None, None]
-        for value, kind in zip(arguments, self.signature, strict=False):
-            head.extend(_flatten(value, kind, self.name))
+        head = self._converted(arguments, self.signature)
         rest = self.signature[len(arguments) :]
 
         def call(*more: Any) -> None:
+            # `arguments` is held by this function: the arrays must outlive the addresses in `head`.
             if len(more) != len(rest):
-                raise TypeError(f"{self.name} takes {len(self.signature)} arguments, got {len(arguments) + len(more)}")
+                raise self._wrong_count(len(arguments) + len(more))
+            values = [*head, *self._converted(more, rest)]
+            if self._python is not None:
+                with np.errstate(all="ignore"):
+                    self._python(*values)
+                return
+            assert self._entry is not None
             returned = ctypes.c_void_p()
-            tail = [part for value, kind in zip(more, rest, strict=True) for part in _flatten(value, kind, self.name)]
-            entry(ctypes.byref(returned), ctypes.byref(returned), *head[2:], *tail)
-            call.__dict__["arguments"] = arguments  # the arrays must outlive the call
+            self._entry(ctypes.byref(returned), ctypes.byref(returned), *values)
 
-        call.__dict__["arguments"] = arguments
         return call
+
+    def _converted(self, values: tuple[Any, ...], kinds: Signature) -> list[Any]:
+        """The arguments as the kernel takes them: machine values, or as Python checked arrays and NumPy scalars."""
+        if len(values) > len(kinds):
+            raise self._wrong_count(len(self.signature) - len(kinds) + len(values))
+        convert = _flatten if self._python is None else _checked
+        return [part for value, kind in zip(values, kinds, strict=False) for part in convert(value, kind, self.name)]
+
+    def _wrong_count(self, count: int) -> TypeError:
+        return TypeError(f"{self.name} takes {len(self.signature)} arguments, got {count}")
 
     def open(self) -> None:
         """Make the kernel ready: load its machine code, or compile it and tell what is being waited for."""
@@ -124,7 +133,7 @@ class Door:
             if _jit.MODE != "compiled":
                 self._python = getattr(importlib.import_module(self.module), self.function)
                 return
-            path = cache_folder() / f"{self.function}-{self._key()}.o"
+            path = self._path()
             found = _read(path)
             if found is None:
                 started = time.perf_counter()
@@ -138,7 +147,10 @@ class Door:
 
     def is_cached(self) -> bool:
         """Whether opening it compiles nothing."""
-        return self._entry is not None or _jit.MODE != "compiled" or (cache_folder() / f"{self.function}-{self._key()}.o").exists()
+        return self._entry is not None or _jit.MODE != "compiled" or self._path().exists()
+
+    def _path(self) -> Path:
+        return cache_folder() / f"{self.function}-{self._key()}.o"
 
     def _key(self) -> str:
         digest = hashlib.blake2b(_machine(), digest_size=12)
@@ -164,15 +176,26 @@ def warm_up(on_event: Callable[[str], None] | None = None) -> int:
 # --- arguments: Numba's own calling convention ---------------------------------------------------------------------------
 
 
-def _flatten(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
-    """The machine values of one argument. An array: owner, parent, size, item size, data, shape, strides (numba.core.datamodel)."""
+def _checked(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
+    """The argument alone, a scalar as a NumPy scalar; TypeError if the kernel was not declared for it."""
     dtype = np.dtype(kind.dtype)
     if isinstance(kind, Scalar):
-        return [_CTYPES[dtype.char](value)]
+        try:
+            return [dtype.type(operator.index(value) if dtype.kind == "i" else value)]
+        except (TypeError, ValueError, OverflowError):
+            raise TypeError(f"{name} needs a {dtype} number, got {value!r}") from None
     if not isinstance(value, np.ndarray) or value.dtype != dtype or value.ndim != kind.ndim or not value.flags.c_contiguous:
         found = f"{value.dtype} of shape {value.shape}" if isinstance(value, np.ndarray) else repr(value)
         raise TypeError(f"{name} needs a contiguous {dtype} array with {kind.ndim} dimensions, got {found}")
-    return [None, None, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
+    return [value]
+
+
+def _flatten(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
+    """The machine values of one argument; an array has owner, parent, size, item size, data, shape, strides (numba.core)."""
+    (checked,) = _checked(value, kind, name)
+    if isinstance(kind, Scalar):
+        return [_CTYPES[checked.dtype.char](checked.item())]
+    return [None, None, checked.size, checked.itemsize, checked.ctypes.data, *checked.shape, *checked.strides]
 
 
 _CTYPES: dict[str, Any] = {"q": ctypes.c_int64, "l": ctypes.c_int64, "f": ctypes.c_float, "d": ctypes.c_double}
@@ -187,18 +210,6 @@ def _argument_types(signature: Signature) -> list[Any]:
             types += [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
             types += [ctypes.c_int64] * (2 * kind.ndim)
     return types
-
-
-def _uncompiled(function: Callable[..., Any], signature: Signature, arguments: tuple[Any, ...]) -> Callable[..., None]:
-    def call(*more: Any) -> None:
-        values = [
-            np.dtype(kind.dtype).type(value) if isinstance(kind, Scalar) else value
-            for value, kind in zip((*arguments, *more), signature, strict=True)
-        ]
-        with np.errstate(all="ignore"):
-            function(*values)
-
-    return call
 
 
 # --- machine code ---------------------------------------------------------------------------------------------------------
@@ -241,6 +252,8 @@ _sources: dict[str, bytes] = {}
 
 
 def _file(module: str) -> Path | None:
+    if module.partition(".")[0] != __package__:
+        return None
     base = _PACKAGE.joinpath(*module.split(".")[1:])
     for path in (base.with_suffix(".py"), base / "__init__.py"):
         if path.is_file():
@@ -317,7 +330,8 @@ def _write(path: Path, code: bytes, symbol: str) -> None:
             raise
         _prune(path.parent)
     except OSError as error:
-        _log.warning("the compiled code could not be kept in %s (%s); set LIMNER_CACHE_DIR to a writable folder", path.parent, error)
+        advice = "set LIMNER_CACHE_DIR to a writable folder"
+        _log.warning("the compiled code could not be kept in %s (%s); %s", path.parent, error, advice)
 
 
 def _prune(folder: Path) -> None:

@@ -124,4 +124,5 @@ def kernel(function: F) -> F:
         return _traced(function)
     from ._compile import inner_kernel
 
-    return inner_kernel(function)  # type: ignore[no-any-return]
+    compiled: F = inner_kernel(function)
+    return compiled

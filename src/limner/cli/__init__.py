@@ -1,0 +1,1 @@
+"""The command line: a face on the public functions; nothing is computed here."""

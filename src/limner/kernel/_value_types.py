@@ -17,7 +17,7 @@ _BINARY: dict[Any, str] = {operator.add: "fadd", operator.sub: "fsub", operator.
 
 
 def register(cls: type, fields: tuple[str, ...], *, componentwise: bool) -> types.Type:
-    """Teach Numba the class `cls`: float32 `fields`, + - and negation, * and / by a scalar, and * by itself if `componentwise`."""
+    """Teach Numba `cls`: float32 `fields`, + - and negation, * and / by a scalar, and * by itself if `componentwise`."""
 
     class ValueType(types.Type):  # type: ignore[misc]
         def __init__(self) -> None:
@@ -91,7 +91,8 @@ def _value_lowering(instruction: str, fields: tuple[str, ...]) -> Any:
 def _scalar_lowering(instruction: str, fields: tuple[str, ...]) -> Any:
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         s = context.cast(builder, args[1], sig.args[1], F32)
-        return _packed(builder, [getattr(builder, instruction)(x, s) for x in _fields_of(builder, args[0], len(fields))], args[0].type)
+        parts = _fields_of(builder, args[0], len(fields))
+        return _packed(builder, [getattr(builder, instruction)(x, s) for x in parts], args[0].type)
 
     return lower
 

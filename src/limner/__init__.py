@@ -1,0 +1,115 @@
+"""limner: pictures from three-dimensional models, on the processor alone.
+
+    import limner
+
+    scene = limner.load("model.glb")
+    image = limner.render(scene, width=800, height=600)
+    image.save("picture.png")
+
+Names are loaded on first use: importing limner imports neither NumPy nor Numba.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
+    from .files.load import load
+    from .image.image import Image
+    from .mesh.mesh import Mesh
+    from .progress import Progress
+    from .render import render
+    from .scene.camera import OrthographicCamera
+    from .scene.camera import PerspectiveCamera as Camera
+    from .scene.library import builtin
+    from .scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight
+    from .scene.material import BlinnPhong, Lambert, MetallicRoughness
+    from .scene.node import Node
+    from .scene.scene import Scene
+    from .scene.shape import Box, Plane, Shape, Sphere
+    from .scene.texture import Texels, Texture
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "AmbientLight",
+    "BlinnPhong",
+    "Box",
+    "Camera",
+    "DirectionalLight",
+    "FileFormatError",
+    "Image",
+    "Lambert",
+    "LimnerError",
+    "LimnerWarning",
+    "Mesh",
+    "MetallicRoughness",
+    "Node",
+    "OrthographicCamera",
+    "Plane",
+    "PointLight",
+    "Progress",
+    "RenderError",
+    "Scene",
+    "SceneError",
+    "Shape",
+    "Sphere",
+    "SpotLight",
+    "Texels",
+    "Texture",
+    "UnsupportedError",
+    "__version__",
+    "builtin",
+    "load",
+    "render",
+]
+
+_ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
+
+_HOMES = {
+    "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
+    "files.load": ("load",),
+    "image.image": ("Image",),
+    "mesh.mesh": ("Mesh",),
+    "progress": ("Progress",),
+    "render": ("render",),
+    "scene.camera": ("Camera", "OrthographicCamera"),
+    "scene.library": ("builtin",),
+    "scene.light": ("AmbientLight", "DirectionalLight", "PointLight", "SpotLight"),
+    "scene.material": ("BlinnPhong", "Lambert", "MetallicRoughness"),
+    "scene.node": ("Node",),
+    "scene.scene": ("Scene",),
+    "scene.shape": ("Box", "Plane", "Shape", "Sphere"),
+    "scene.texture": ("Texels", "Texture"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name on its first use (PEP 562)."""
+    home = _HOME_OF.get(name)
+    if home is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module(f".{home}", __name__), _ORIGINAL_NAMES.get(name, name))
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """Keeps `limner.render` the function: importing the module of that name would put the module in its place."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "render" and isinstance(value, ModuleType):
+            value = value.render
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -1,0 +1,135 @@
+"""The commands and their options. Reading a command line imports neither NumPy nor Numba; the work does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from .. import __version__
+from .talk import Talk
+from .values import BACKGROUND, TRIPLE, WORDS, Background, Triple
+
+__all__ = ["limner"]
+
+MAX_SIDE = 32768
+MAX_PIXELS = 1 << 28
+MAX_SAMPLES = 1 << 16
+MAX_SEED = (1 << 31) - 1
+
+_SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
+
+
+def _voice(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that every command has; they set its `Talk`."""
+
+    def put(name: str) -> Callable[[click.Context, click.Parameter, bool], None]:
+        def callback(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+            if value:
+                setattr(context.find_object(Talk), name, True)
+
+        return callback
+
+    for name, text in (
+        ("traceback", "On an error, show where in the program it arose."),
+        ("verbose", "Say what takes time, too."),
+        ("quiet", "Say nothing but errors."),
+    ):
+        option = click.option(f"--{name}", is_flag=True, expose_value=False, is_eager=True, callback=put(name), help=text)
+        command = option(command)
+    return command
+
+
+@click.group(context_settings=_SETTINGS)
+@click.version_option(__version__, prog_name="limner", message="%(prog)s %(version)s")
+def limner() -> None:
+    """Pictures from three-dimensional models: no GPU, no display, no system graphics library.
+
+    MODEL is a file (.glb, .gltf, .obj, …) or a built-in scene: teapot, cornell.
+    """
+
+
+@limner.command(short_help="Make a picture of a model.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="The picture file; - is standard output.")
+@click.option("--renderer", type=click.Choice(["raster", "ray"]), default="raster", show_default=True, help="How to see.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option("--camera", metavar="NAME|INDEX", help="A camera of the model, by name or number from 0.")
+@click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
+@click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
+@click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
+@click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
+@click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
+@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--transparent", is_flag=True, help="The same as --background transparent.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")
+@_voice
+@click.pass_obj
+def render(talk: Talk, /, **options: Any) -> None:
+    """Make a picture of MODEL.
+
+    \b
+        limner render teapot -o teapot.png
+        limner render model.glb -o model.exr --aov depth,normal --width 1920 --height 1080
+        limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
+
+    Ctrl-C stops early and saves the picture so far.
+    """
+    from .render import Order, make_picture
+
+    background = _one_background(options.pop("background"), options.pop("transparent"))
+    order = Order(background=background, **options)
+    _check_size(order.width, order.height)
+    _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
+    if order.output == "-" and order.as_json:
+        raise click.UsageError("--json and -o - both want standard output")
+    make_picture(order, talk)
+
+
+@limner.command(short_help="Tell what is in a model, and what is wrong with it.")
+@click.argument("model")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@_voice
+@click.pass_obj
+def info(talk: Talk, model: str, as_json: bool) -> None:
+    """Tell what is in MODEL, and what is wrong with it."""
+    from .info import tell
+
+    tell(model, as_json, talk)
+
+
+@limner.command(short_help="Compile everything now instead of at the first picture.")
+@_voice
+@click.pass_obj
+def warmup(talk: Talk) -> None:
+    """Compile the renderers for this machine now, so that the first picture does not wait for it."""
+    from .._door import cache_folder, warm_up
+
+    fresh = warm_up(talk.detail)
+    click.echo((f"{fresh} compiled, " if fresh else "") + f"everything is ready in {cache_folder()}")
+
+
+def _one_background(background: Background | None, transparent: bool) -> Background | None:
+    if transparent and background not in (None, "transparent"):
+        raise click.UsageError("--transparent and --background say different things")
+    return "transparent" if transparent else background
+
+
+def _check_size(width: int, height: int) -> None:
+    if width * height > MAX_PIXELS:
+        raise click.UsageError(f"a picture must not exceed {MAX_PIXELS} pixels, got {width} x {height}")
+
+
+def _check_camera(camera: str | None, eye: Triple | None, target: Triple | None, up: Triple | None, yfov: float | None) -> None:
+    if camera is not None and eye is not None:
+        raise click.UsageError("--camera and --eye exclude each other")
+    for name, value in (("--target", target), ("--up", up), ("--yfov", yfov)):
+        if value is not None and eye is None:
+            raise click.UsageError(f"{name} needs --eye")
+    if yfov is not None and not 0.0 < yfov < 180.0:
+        raise click.UsageError(f"--yfov must lie between 0 and 180 degrees, got {yfov:g}")

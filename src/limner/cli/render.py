@@ -1,0 +1,146 @@
+"""`limner render`: look before the work begins, make the picture, save what there is, tell about it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import LimnerError, SceneError
+from .bar import Bar
+from .main import INTERRUPTED
+from .model import open_model
+from .talk import Talk
+from .values import Background, Triple
+
+if TYPE_CHECKING:
+    from ..image.image import Image
+    from ..scene.camera import Camera
+    from ..scene.scene import Scene
+
+__all__ = ["Order", "make_picture"]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a command line asks for; None: the default of `limner.render`."""
+
+    model: str
+    output: str
+    renderer: str
+    width: int
+    height: int
+    samples: int | None
+    seed: int
+    camera: str | None
+    eye: Triple | None
+    target: Triple | None
+    up: Triple | None
+    yfov: float | None
+    aovs: tuple[str, ...]
+    background: Background | None
+    threads: int | None
+    as_json: bool
+
+
+def make_picture(order: Order, talk: Talk) -> None:
+    """Fulfil `order`."""
+    _check_output(order)
+    started = time.perf_counter()
+    scene = open_model(order.model)
+    if order.background is not None:
+        scene = scene.replace(background=None if order.background == "transparent" else order.background)
+    camera = chosen_camera(order, scene)
+    talk.note(scene.notes)
+    loaded = time.perf_counter()
+
+    from ..render import render
+
+    with Bar(enabled=not talk.quiet) as bar:
+        image = render(
+            scene,
+            width=order.width,
+            height=order.height,
+            renderer=order.renderer,
+            samples=order.samples,
+            seed=order.seed,
+            camera=camera,
+            threads=order.threads,
+            aovs=order.aovs,
+            on_progress=bar,
+        )
+    rendered = time.perf_counter()
+    talk.warn(image.warnings)
+    image.save(order.output)
+    saved = time.perf_counter()
+
+    seconds = {"load": loaded - started, "render": rendered - loaded, "save": saved - rendered}
+    talk.detail(", ".join(f"{step} {spent:.3f} s" for step, spent in seconds.items()))
+    if not image.finished:
+        talk.say("interrupted", f"the picture so far is in {order.output}")
+        talk.code = INTERRUPTED
+    if order.as_json:
+        _tell(order, scene, image, seconds)
+
+
+def chosen_camera(order: Order, scene: Scene) -> Camera | None:
+    """The camera that the command line means; None: it does not say."""
+    if order.eye is not None:
+        from ..scene.camera import PerspectiveCamera
+
+        target = _middle(scene) if order.target is None else order.target
+        fields = {} if order.yfov is None else {"yfov_degrees": order.yfov}
+        return PerspectiveCamera.look_at(order.eye, target, order.up or (0.0, 1.0, 0.0), **fields)
+    if order.camera is None:
+        return None
+    cameras = scene.cameras()
+    named = [camera for camera in cameras if camera.name == order.camera]
+    if named:
+        return named[0]
+    if order.camera.isdecimal() and int(order.camera) < len(cameras):
+        return cameras[int(order.camera)]
+    known = ", ".join(f"{index} {camera.name!r}" for index, camera in enumerate(cameras)) or "none"
+    raise SceneError(f"there is no camera {order.camera!r} in {order.model}; it has: {known}")
+
+
+def _middle(scene: Scene) -> Triple:
+    low, high = scene.bounds()
+    x, y, z = (float(value) for value in (low + high) / 2.0) if (low <= high).all() else (0.0, 0.0, 0.0)
+    return x, y, z
+
+
+def _check_output(order: Order) -> None:
+    """Refuse an output that cannot be written before anything is computed for it."""
+    from ..image.save import check_destination, keeps_aovs
+
+    try:
+        check_destination(order.output)
+    except LimnerError as error:
+        raise click.UsageError(str(error)) from error
+    if order.aovs and not keeps_aovs(order.output):
+        raise click.UsageError(f"--aov needs an output that can hold more than a picture (.exr), got {order.output}")
+    if order.output == "-":
+        import sys
+
+        if sys.stdout.isatty():
+            raise click.UsageError("-o - would write a PNG to the terminal; send it to a file or a pipe")
+
+
+def _tell(order: Order, scene: Scene, image: Image, seconds: dict[str, float]) -> None:
+    import json
+
+    told: dict[str, Any] = {
+        "output": order.output,
+        "width": image.width,
+        "height": image.height,
+        "finished": image.finished,
+        "seconds": {step: round(spent, 6) for step, spent in seconds.items()},
+        "aovs": sorted(image.aov),
+        "id_names": {name: list(names) for name, names in image.id_names.items()},
+        "notes": list(scene.notes),
+        "warnings": list(image.warnings),
+        "recipe": dict(image.recipe),
+    }
+    click.echo(json.dumps(told, sort_keys=True))

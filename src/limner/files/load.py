@@ -1,0 +1,114 @@
+"""From a file to a scene: which reader, and its remarks as warnings.
+
+The first bytes decide where they are beyond doubt (a GLB named .obj is a GLB); then the extension; then, where there is
+none, a guess at what the text looks like.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from pathlib import Path
+
+from ..errors import FileFormatError, LimnerWarning, UnsupportedError
+from ..scene.scene import Scene
+from .limits import DEFAULT, Limits
+from .notes import Notes
+from .sources import Sources
+
+__all__ = ["EXTENSIONS", "load", "model_format"]
+
+EXTENSIONS = {
+    ".gltf": "gltf", ".glb": "gltf", ".vrm": "gltf", ".obj": "obj",
+    ".ply": "ply", ".stl": "stl", ".off": "off", ".3mf": "3mf", ".dae": "dae",
+}  # fmt: skip
+
+# Magic numbers of models, and of what people hand over by mistake.
+_MODELS = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply"}
+_STRANGERS = {
+    b"\x89PNG": "a PNG picture", b"\xff\xd8\xff": "a JPEG picture", b"GIF8": "a GIF picture", b"%PDF": "a PDF document",
+    b"\x1f\x8b": "gzip-compressed (unpack it first)", b"BLENDER": "a Blender file (export it as .glb)",
+    b"Kaydara FBX": "an FBX file (convert it to .glb)", b"PXR-USDC": "a USD file (convert it to .glb)",
+    b"version https://git-lfs": "a Git LFS pointer, not the file itself (run git lfs pull)",
+}  # fmt: skip
+_OBJ_LINE = re.compile(rb"(?:^|\n)[ \t]*(?:v|vt|vn|f|o|g|usemtl|mtllib)[ \t]+[^\n]")
+
+
+def load(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> Scene:
+    """Read a model.
+
+    Parameters
+    ----------
+    path : str or path-like
+        glTF 2.0 (.gltf, .glb) and OBJ with MTL are read by limner itself; .ply, .stl, .off, .3mf and .dae need trimesh.
+    limits : Limits
+        How much it may ask for.
+
+    Returns
+    -------
+    Scene
+        Its `notes` say what was approximated, ignored or repaired; likely slips among them are warned about too.
+
+    Raises
+    ------
+    FileFormatError
+        The file is missing or broken; the message says where.
+    UnsupportedError
+        The file may be sound, but is of a kind that is not read; the message says what helps.
+    """
+    sources = Sources(path, limits)
+    notes = Notes()
+    data = sources.read_model()
+    kind = model_format(data, path)
+    if kind == "gltf":
+        from .gltf import read as read_gltf
+
+        scene = read_gltf(data, path, limits=limits, notes=notes, sources=sources)
+    elif kind == "obj":
+        from .obj import read as read_obj
+
+        scene = read_obj(data, path, limits=limits, notes=notes, sources=sources)
+    else:
+        from .interop import read as read_with_trimesh
+
+        scene = read_with_trimesh(data, path, kind, limits=limits, notes=notes)
+    for text in notes.warnings():
+        warnings.warn(f"{Path(path).name}: {text}", LimnerWarning, stacklevel=2)
+    return scene
+
+
+def model_format(data: bytes, path: str | os.PathLike[str]) -> str:
+    """Return which format a file is in: "gltf", "obj", "ply", "stl", "off", "3mf" or "dae".
+
+    Raises FileFormatError for an empty file, or one that is plainly something else, and UnsupportedError where neither its
+    extension nor its first bytes are known.
+    """
+    if not data:
+        raise FileFormatError("the file is empty", path)
+    for magic, kind in _MODELS.items():
+        if data.startswith(magic):
+            return kind
+    for magic, what in _STRANGERS.items():
+        if data.startswith(magic):
+            raise FileFormatError(f"is no model but {what}", path)
+    extension = Path(path).suffix.lower()
+    kind = EXTENSIONS.get(extension) or _guess(data)
+    if kind:
+        return kind
+    readable = ", ".join(EXTENSIONS)
+    named = f"models named {extension}" if extension else "models of this kind"
+    raise UnsupportedError(f"{os.fspath(path)}: {named} are not read; these are: {readable}")
+
+
+def _guess(data: bytes) -> str:
+    head = data[:4096].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if head.startswith(b"{") and b'"asset"' in data:
+        return "gltf"
+    if head.startswith(b"solid ") and b"facet" in data[:65536]:
+        return "stl"
+    if head.startswith(b"OFF"):
+        return "off"
+    if b"<COLLADA" in head:
+        return "dae"
+    return "obj" if _OBJ_LINE.search(head) and b"\0" not in head else ""

@@ -1,0 +1,130 @@
+"""The picture: what a renderer gives and what a file, a notebook or an array takes (FoCG 3).
+
+    image.pixels                 (height, width, 4) float32, linear light, straight alpha, row 0 on top
+    image.at(i, j)               the book's pixel: column i, row j counted from the bottom
+    image.to_uint8()             as a screen wants it
+    image.save("picture.png")    the recipe travels in the file
+
+Light stays linear here; the curve of the screen is applied where the picture leaves (`limner.color.transfer`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from ..color.transfer import bytes_from_linear, bytes_from_unit
+from ..errors import SceneError, UnsupportedError
+
+__all__ = ["VIEWS", "Image"]
+
+VIEWS = ("standard",)
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A finished picture, or one that was stopped on the way.
+
+    Parameters
+    ----------
+    pixels : (height, width, 4) float32
+        Linear Rec. 709 and straight alpha; row 0 on top. Held read-only.
+    aov : dict of str to (height, width) or (height, width, channels) array
+        What lies beside the picture: depth, normal, instance_id, …
+    id_names : dict of str to tuple of str
+        For every id among the AOVs, the name of each number.
+    recipe : dict
+        How to make the same picture again; plain values that JSON can hold.
+    warnings : tuple of str
+        Likely slips that were met while rendering.
+    finished : bool
+        False: stopped by the user; what is there is sound but not all.
+
+    >>> image = Image(np.full((2, 3, 4), 0.5, dtype=np.float32))
+    >>> image.width, image.height, image.at(0, 0).tolist(), image.to_uint8()[0, 0].tolist()
+    (3, 2, [0.5, 0.5, 0.5, 0.5], [188, 188, 188, 128])
+    """
+
+    pixels: NDArray[np.float32]
+    aov: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    id_names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    recipe: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    finished: bool = True
+
+    def __post_init__(self) -> None:
+        pixels = np.ascontiguousarray(self.pixels)
+        if pixels.dtype != np.float32 or pixels.ndim != 3 or pixels.shape[2] != 4 or 0 in pixels.shape:
+            raise SceneError(f"image.pixels must be (height, width, 4) float32, got {pixels.shape} {pixels.dtype}")
+        object.__setattr__(self, "pixels", _frozen(pixels))
+        aov = {name: _frozen(np.asarray(values)) for name, values in self.aov.items()}
+        for name, values in aov.items():
+            if values.shape[:2] != pixels.shape[:2]:
+                size = f"{pixels.shape[:2]}, got {values.shape[:2]}"
+                raise SceneError(f"image.aov[{name!r}] must be as large as the picture, {size}")
+        object.__setattr__(self, "aov", aov)
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return int(self.pixels.shape[1])
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self.pixels.shape[0])
+
+    def at(self, i: int, j: int) -> NDArray[np.float32]:
+        """(4,) float32: the pixel in column `i` and row `j` counted from the bottom, both from 0, as the book counts."""
+        if not (0 <= i < self.width and 0 <= j < self.height):
+            raise SceneError(f"pixel ({i}, {j}) lies outside the picture of {self.width} x {self.height}")
+        pixel: NDArray[np.float32] = self.pixels[self.height - 1 - j, i]
+        return pixel
+
+    def to_uint8(self, view: str = "standard") -> NDArray[np.uint8]:
+        """(height, width, 4) uint8 for a screen: sRGB-encoded colour, straight alpha.
+
+        Parameters
+        ----------
+        view : "standard"
+            How light becomes colour on a screen: the sRGB curve alone. What is brighter than 1 is clipped.
+        """
+        if view not in VIEWS:
+            raise UnsupportedError(f"view must be one of {', '.join(VIEWS)}, got {view!r}")
+        encoded = bytes_from_linear(self.pixels)
+        encoded[..., 3] = bytes_from_unit(self.pixels[..., 3])
+        return encoded
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the picture to a file; the extension says as what, "-" is a PNG on standard output.
+
+        See `limner.image.save.save` for what each format keeps, and for the errors.
+        """
+        from .save import save
+
+        save(self, path)
+
+    def _repr_png_(self) -> bytes:
+        """The picture as notebooks show it."""
+        from .png import png_bytes
+
+        return png_bytes(self.to_uint8())
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """`pixels`, where NumPy is asked for an array."""
+        return np.array(self.pixels, dtype=dtype, copy=copy)
+
+    def __repr__(self) -> str:
+        beside = f", aov: {', '.join(self.aov)}" if self.aov else ""
+        return f"Image({self.width} x {self.height}{beside}{'' if self.finished else ', unfinished'})"
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    view = array.view()
+    view.flags.writeable = False
+    return view

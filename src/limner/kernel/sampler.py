@@ -1,0 +1,127 @@
+"""Samplers: where in the unit square to look next.
+
+Random points clump and leave holes, and the noise of a picture falls only as 1/sqrt(n). The points of a (0, 2)-sequence do not:
+of the first 2^m, every rectangle of area 2^-m in the unit square (every *elementary interval*: 1 x 2^-m, 1/2 x 2^(1-m), ...)
+holds exactly one. Owen's scrambling keeps that, makes the points random, and the noise of smooth integrands falls as n^-1.5.
+
+    x, y = sample_2d(SOBOL, seed, i, j, sample, dimension)
+
+`dimension` numbers the decisions of a path, not the coordinates: 0 the place in the pixel, 1 the place on the lens, and so on.
+Each has its own scrambled and shuffled copy of the sequence (padding), so that decisions are independent of one another. Each
+is stratified within itself, over any first 2^m samples of a pixel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .._jit import kernel
+from .rng import combine, float_from_word, pixel_word, random_float, word
+
+__all__ = ["MIDPOINT", "RANDOM", "SOBOL", "reverse_bits", "sample_1d", "sample_2d", "scramble_reversed", "sobol_2d"]
+
+f32, u32, i64 = np.float32, np.uint32, np.int64
+
+MIDPOINT = 0
+RANDOM = 1
+SOBOL = 2
+
+_HALF = f32(0.5)
+_ONE_BIT, _TWO_BITS, _FOUR_BITS = u32(1), u32(2), u32(4)
+_EIGHT_BITS, _SIXTEEN_BITS = u32(8), u32(16)
+_ODD_1, _ODD_2, _ODD_4 = u32(0x55555555), u32(0x33333333), u32(0x0F0F0F0F)
+_ODD_8, _LOW_16 = u32(0x00FF00FF), u32(0x0000FFFF)
+_LK1, _LK2, _LK3 = u32(0x3D20ADEA), u32(0x05526C56), u32(0x53A22864)
+_FIRST, _SECOND, _SHUFFLE, _SCATTER = i64(0), i64(1), i64(2), i64(3)
+
+
+@kernel
+def reverse_bits(x: np.uint32) -> np.uint32:
+    """The 32 bits of x in reverse order: swap neighbours, pairs, nibbles, bytes, halves."""
+    a = u32(u32(u32(x >> _ONE_BIT) & _ODD_1) | u32(u32(x & _ODD_1) << _ONE_BIT))
+    b = u32(u32(u32(a >> _TWO_BITS) & _ODD_2) | u32(u32(a & _ODD_2) << _TWO_BITS))
+    c = u32(u32(u32(b >> _FOUR_BITS) & _ODD_4) | u32(u32(b & _ODD_4) << _FOUR_BITS))
+    d = u32(u32(u32(c >> _EIGHT_BITS) & _ODD_8) | u32(u32(c & _ODD_8) << _EIGHT_BITS))
+    return u32(u32(d >> _SIXTEEN_BITS) | u32(d << _SIXTEEN_BITS))
+
+
+@kernel
+def _pascal(x: np.uint32) -> np.uint32:
+    """Multiply the bits of x by Pascal's triangle modulo 2.
+
+    C(c, r) is odd exactly where the binary digits of r are among those of c (Lucas), so bit r of the product is the xor of all
+    bits of x at supersets of r: five steps, one for each binary digit of a position.
+    """
+    a = u32(x ^ u32(u32(x >> _SIXTEEN_BITS) & _LOW_16))
+    b = u32(a ^ u32(u32(a >> _EIGHT_BITS) & _ODD_8))
+    c = u32(b ^ u32(u32(b >> _FOUR_BITS) & _ODD_4))
+    d = u32(c ^ u32(u32(c >> _TWO_BITS) & _ODD_2))
+    return u32(d ^ u32(u32(d >> _ONE_BIT) & _ODD_1))
+
+
+@kernel
+def sobol_2d(index: np.uint32) -> tuple[np.uint32, np.uint32]:
+    """The first two dimensions of Sobol's sequence, as 32-bit fractions.
+
+    Dimension one is the radical inverse; the direction numbers of dimension two (polynomial x + 1) are Pascal's triangle.
+
+    **Source**: S. Joe and F. Kuo, "Constructing Sobol' sequences with better two-dimensional projections", 2008, dimensions 1
+    and 2 of new-joe-kuo-6.21201; the matrix of dimension two is applied bit-parallel instead of column by column.
+    """
+    return reverse_bits(index), reverse_bits(_pascal(index))
+
+
+@kernel
+def scramble_reversed(x: np.uint32, key: np.uint32) -> np.uint32:
+    """Owen's nested uniform scrambling of a fraction whose bits are reversed: a bit is flipped by a hash of those below it.
+
+    **Source**: S. Laine and T. Karras, "Stratified sampling for stochastic transparency", 2011; constants of N. Vegdahl,
+    "Building a better LK hash", 2021.
+    """
+    a = u32(x ^ u32(x * _LK1))
+    b = u32(a + key)
+    c = u32(b * u32(u32(key >> _SIXTEEN_BITS) | _ONE_BIT))
+    d = u32(c ^ u32(c * _LK2))
+    return u32(d ^ u32(d * _LK3))
+
+
+@kernel
+def _shuffled_index(sample: np.int64, key: np.uint32) -> np.uint32:
+    """The sample's place in the shuffled sequence: aligned blocks of 2^m samples stay together, in a random order.
+
+    **Source**: B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020, section 5.
+    """
+    return reverse_bits(scramble_reversed(reverse_bits(word(sample)), combine(key, _SHUFFLE)))
+
+
+@kernel
+def sample_1d(kind: int, seed: np.int64, i: np.int64, j: np.int64, sample: np.int64, dimension: np.int64) -> np.float32:
+    """The number in [0, 1) of decision `dimension` of one sample of pixel (i, j); 1/2 for MIDPOINT and unknown kinds."""
+    if kind == SOBOL:
+        key = combine(pixel_word(seed, i, j), dimension)
+        index = _shuffled_index(sample, key)
+        return float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
+    if kind == RANDOM:
+        return random_float(seed, i, j, sample, dimension)
+    return _HALF
+
+
+@kernel
+def sample_2d(
+    kind: int, seed: np.int64, i: np.int64, j: np.int64, sample: np.int64, dimension: np.int64
+) -> tuple[np.float32, np.float32]:
+    """The point in [0, 1)^2 of decision `dimension` of one sample of pixel (i, j); the middle for MIDPOINT and unknown kinds.
+
+    **Source**: B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; padded by pairs instead of fours. Scrambling
+    works on reversed fractions, so the two reversals of a coordinate cancel and one is left.
+    """
+    if kind == SOBOL:
+        key = combine(pixel_word(seed, i, j), dimension)
+        index = _shuffled_index(sample, key)
+        x = float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
+        y = float_from_word(reverse_bits(scramble_reversed(_pascal(index), combine(key, _SECOND))))
+        return x, y
+    if kind == RANDOM:
+        key = combine(combine(pixel_word(seed, i, j), sample), dimension)
+        return float_from_word(key), float_from_word(combine(key, _SCATTER))
+    return _HALF, _HALF

@@ -33,6 +33,7 @@ __all__ = ["default_lights", "extent_points", "framing_camera", "with_defaults"]
 Matrix = NDArray[np.float64]
 
 _MARGIN = 1.08  # of the picture's side to what touches it
+_LEAST_DISTANCE = 0.25  # from the eye to what is nearest, in extents
 _MAX_POINTS = 1 << 21  # beyond so many vertices, boxes stand for the shapes
 
 # Directions towards the lights in the camera's frame: x right, y up, z back to the eye.
@@ -90,7 +91,7 @@ def framing_camera(
     -----
     With x along the picture and z towards the eye, a point is inside where ``|x - x_e| <= (z_e - z) tan``. The two sides give
     ``x_e + z_e tan >= max(x + z tan)`` and ``z_e tan - x_e >= max(z tan - x)``, whose solution with equality is the nearest eye, in
-    the middle; the same upwards, and the farther of both.
+    the middle; the same upwards, and the farther of both, but no nearer to anything than a quarter of the whole.
 
     Examples
     --------
@@ -107,11 +108,14 @@ def framing_camera(
     azimuth, elevation = math.radians(azimuth_degrees), math.radians(elevation_degrees)
     outwards = np.array([math.sin(azimuth) * math.cos(elevation), math.sin(elevation), math.cos(azimuth) * math.cos(elevation)])
     axes = transform.frame_from_gaze((0.0, 0.0, 0.0), -outwards, (0.0, 1.0, 0.0))[:3, :3]
-    x, y, z = axes.T @ _with_extent(points).T
+    shown = _with_extent(points)
+    x, y, z = axes.T @ shown.T
     tan_y = math.tan(math.radians(yfov_degrees) / 2.0) / _MARGIN
     across = _nearest_eye(x, z, tan_y * aspect)
     upwards = _nearest_eye(y, z, tan_y)
-    eye = axes @ np.array([across[0], upwards[0], max(across[1], upwards[1])])
+    # What is thin along the gaze would be met with the nose on its tip.
+    least = float(z.max()) + _LEAST_DISTANCE * float(np.linalg.norm(np.ptp(shown, axis=0)))
+    eye = axes @ np.array([across[0], upwards[0], max(across[1], upwards[1], least)])
     return PerspectiveCamera(
         world_from_camera=transform.frame_from_gaze(eye, -outwards, (0.0, 1.0, 0.0)), yfov_degrees=yfov_degrees, name="framing camera"
     )

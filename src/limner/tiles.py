@@ -36,7 +36,7 @@ class Cancelled(Exception):  # noqa: N818 - not an error: the picture so far is 
 class Tile(NamedTuple):
     """A rectangle of the picture, rows counted from the bottom."""
 
-    index: int
+    number: int
     first_column: int
     first_row: int
     columns: int

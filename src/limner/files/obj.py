@@ -118,7 +118,8 @@ class _Reader:
         self._finite = finite_rows(positions)
         self._positions = np.where(self._finite[:, None], positions, np.float32(0.0)) if not self._finite.all() else positions
         self._colors = self._vertex_colors(values, counts)
-        self._uvs = np.nan_to_num(read_table(self._text, b"vt", 2)[0], posinf=0.0, neginf=0.0).astype(np.float32)
+        uvs = np.nan_to_num(read_table(self._text, b"vt", 2)[0], posinf=0.0, neginf=0.0)
+        self._uvs = np.clip(uvs, -1e30, 1e30).astype(np.float32)
         self._normals = read_table(self._text, b"vn", 3)[0]
 
     def _vertex_colors(self, values: Reals, counts: Integers) -> NDArray[np.float32] | None:
@@ -144,9 +145,11 @@ class _Reader:
             resolved = self._resolve(group)
             good = (resolved[:, :, 0] >= 0).all(axis=1)
             bad.extend(group.lines[~good].tolist())
-            finite = self._finite[resolved[:, :, 0]].all(axis=1) & good
-            lost.extend(group.lines[good & ~finite].tolist())
-            resolved, kept_lines = resolved[finite], group.lines[finite]
+            resolved, kept_lines = (resolved, group.lines) if good.all() else (resolved[good], group.lines[good])
+            if not self._finite.all():
+                finite = self._finite[resolved[:, :, 0]].all(axis=1)
+                lost.extend(kept_lines[~finite].tolist())
+                resolved, kept_lines = resolved[finite], kept_lines[finite]
             if resolved.shape[1] == 3:
                 lines.append(kept_lines)
                 corners.append(resolved)

@@ -11,7 +11,6 @@ import importlib
 import io
 import os
 from collections.abc import Callable, Hashable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -132,6 +131,8 @@ class Pictures:
             except LimnerError as error:
                 self._pixels[key] = error
         if len(opened) > 1 and (os.cpu_count() or 1) > 1:
+            from concurrent.futures import ThreadPoolExecutor
+
             with ThreadPoolExecutor(max_workers=min(_WORKERS, len(opened))) as pool:
                 decoded = list(pool.map(_decode_or_error, opened.values()))
         else:

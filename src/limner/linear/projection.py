@@ -29,8 +29,10 @@ Matrix = NDArray[np.float64]
 class PlacedCamera(Protocol):
     """What a camera must tell: where it stands, and the shape of its picture if it insists on one."""
 
-    world_from_camera: Matrix
-    aspect: float | None
+    @property
+    def world_from_camera(self) -> Matrix: ...
+    @property
+    def aspect(self) -> float | None: ...
 
 
 @runtime_checkable

@@ -54,9 +54,11 @@ def _clip_against(plane: int, source, n: int, target, near: np.float32) -> int:
                 target[count, c] = source[i, c]
             count += 1
         if (fa >= f32(0.0)) != (fb >= f32(0.0)):
-            t = fa / (fa - fb)
+            # Always from the inner end: the neighbour that runs along this edge the other way must find the very same point.
+            inner, outer = (i, j) if fa >= f32(0.0) else (j, i)
+            t = fa / (fa - fb) if fa >= f32(0.0) else fb / (fb - fa)
             for c in range(4):
-                target[count, c] = source[i, c] + t * (source[j, c] - source[i, c])
+                target[count, c] = source[inner, c] + t * (source[outer, c] - source[inner, c])
             count += 1
     return count
 

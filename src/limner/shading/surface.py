@@ -237,7 +237,8 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     if mesh["color"] >= 0:
         p = mesh["color"]
         p0, p1, p2 = p + 4 * i0, p + 4 * i1, p + 4 * i2
-        color = Color(_mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w), _mix(attributes, p0 + 2, p1 + 2, p2 + 2, w))
+        r, g = _mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w)
+        color = Color(r, g, _mix(attributes, p0 + 2, p1 + 2, p2 + 2, w))
         alpha = _mix(attributes, p0 + 3, p1 + 3, p2 + 3, w)
 
     material = np.int64(instance["material"])

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-
 import numpy as np
 
 from .._jit import kernel
 from ..color.decode_table import SRGB_DECODE
 from ..kernel.elementary import floor, log2
 from ..kernel.vec import ONE, ZERO, Color
-from ..tables.layouts import CLAMP, MIRROR, NEAREST, TRILINEAR
+from ..tables.layouts import CLAMP, MIRROR, NEAREST, REPEAT, TRILINEAR
 from .surface import SurfacePoint
 
 __all__ = ["sample_texture"]
@@ -38,9 +37,9 @@ def _fold(x: np.float32, wrap: int) -> np.float32:
 def _neighbour(i: int, n: int, wrap: int) -> int:
     """A texel index one step outside at most, as the wrap mode says (mirrored and clamped: the border texel again)."""
     if i < 0:
-        return 0 if wrap == CLAMP or wrap == MIRROR else n - 1
+        return 0 if wrap != REPEAT else n - 1
     if i >= n:
-        return n - 1 if wrap == CLAMP or wrap == MIRROR else 0
+        return n - 1 if wrap != REPEAT else 0
     return i
 
 

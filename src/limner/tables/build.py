@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,9 +24,10 @@ from .camera import camera_record, near_and_far, raster_from_world
 from .layouts import SceneTables
 from .textures import texture_tables
 
-__all__ = ["View", "build", "names", "view"]
+__all__ = ["Built", "View", "build", "flatten", "names", "view"]
 
 _CHORD_ERROR = 0.1  # pixels between a sphere and its tessellation
+_STAND_IN = "stand-in: "  # how the names of tessellations begin
 _HORIZON = 1e5  # how far an infinite plane is drawn, in units of the distance that matters
 _ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
 
@@ -60,7 +63,30 @@ def names(scene: Scene) -> dict[str, tuple[str, ...]]:
     }
 
 
+class Built(NamedTuple):
+    """Tables, and what they were made of: what a next build compares with, by identity.
+
+    Attributes
+    ----------
+    tables : SceneTables
+    meshes : tuple of Mesh
+        In the order of their rows; kept alive, so that an identity means the same object.
+    textures : tuple of Texture
+    """
+
+    tables: SceneTables
+    meshes: tuple[Mesh, ...]
+    textures: tuple[Texture, ...]
+
+
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
+    """Flatten a scene, with nothing to compare with; see `flatten`."""
+    return flatten(scene, camera, width, height).tables
+
+
+def flatten(
+    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True
+) -> Built:
     """Flatten a scene.
 
     Parameters
@@ -69,12 +95,20 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
     camera : Camera
     width, height : int
         Decide how finely spheres are tessellated where triangles are needed: to a tenth of a pixel.
+    previous : Built, optional
+        What was built before. Meshes and textures that are the very same objects are not copied again; the tables do not depend
+        on it.
+    tessellate : bool
+        Whether spheres and planes need triangles.
     """
-    geometry = _Geometry()
     materials, first_material = _material_rows(scene)
     pixels_per_unit = _pixels_per_unit(camera, height)
     eye = np.asarray(camera.world_from_camera)[:3, 3]
+    bounds = scene.bounds()
     shapes = scene.shapes()
+    stand_ins = _StandIns(() if previous is None else previous.meshes)
+    rows: dict[int, int] = {}
+    meshes: list[Mesh] = []
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
     for row, (placed, shape) in zip(instances, shapes, strict=True):
         matrix = placed.world_from_object
@@ -84,73 +118,98 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
         row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
         row["material"] = first_material[_material_key(shape)]
         row["kind"], row["size"] = _kind_and_size(shape)
-        row["mesh"] = geometry.add(_tessellation(shape, matrix, eye, camera, pixels_per_unit, scene.bounds()))
+        row["mesh"] = -1
+        if tessellate or row["kind"] in (layouts.MESH, layouts.BOX):
+            mesh = _tessellation(shape, matrix, eye, camera, pixels_per_unit, bounds, stand_ins)
+            if id(mesh) not in rows:
+                rows[id(mesh)] = len(meshes)
+                meshes.append(mesh)
+            row["mesh"] = rows[id(mesh)]
     textures: dict[Texture, int] = {}
     material_table = _material_table(materials, textures)
-    texture_table, texels = texture_tables(list(textures))
-    return SceneTables(
-        instances, *geometry.tables(), material_table, _light_table(scene), texture_table, texels
-    )  # fmt: skip
+    if previous is not None and _same(previous.meshes, meshes):
+        geometry = previous.tables[1:6]
+    else:
+        geometry = _geometry_tables(meshes)
+    if previous is not None and _same(previous.textures, tuple(textures)):
+        texture_table, texels = previous.tables.textures, previous.tables.texels
+    else:
+        texture_table, texels = texture_tables(list(textures))
+    tables = SceneTables(instances, *geometry, material_table, _light_table(scene), texture_table, texels)
+    return Built(tables, tuple(meshes), tuple(textures))
+
+
+def _same(before: tuple[object, ...], now: list[Mesh] | tuple[object, ...]) -> bool:
+    return len(before) == len(now) and all(a is b for a, b in zip(before, now, strict=True))
+
+
+class _StandIns:
+    """Tessellations of exact shapes by what they are made from, so that the same question gets the same object again."""
+
+    def __init__(self, before: tuple[Mesh, ...]) -> None:
+        self._known = {mesh.name: mesh for mesh in before if mesh.name.startswith(_STAND_IN)}
+
+    def get(self, make: Callable[..., Mesh], *arguments: object) -> Mesh:
+        name = f"{_STAND_IN}{make.__name__}{arguments}"
+        if name not in self._known:
+            self._known[name] = dataclasses.replace(make(*arguments), name=name)
+        return self._known[name]
 
 
 # --- geometry -------------------------------------------------------------------------------------------------------------
 
 
-class _Geometry:
-    """Meshes one after the other; one that is shown several times stands there once."""
+def _geometry_tables(
+    meshes: list[Mesh],
+) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]:
+    """MESH_RANGES, positions, triangles, attributes and slots of meshes one after the other."""
+    positions, triangles = _Column(), _Column()
+    attributes, slots = _Column(), _Column()
+
+    def attribute(array: NDArray[np.float32] | None) -> int:
+        return attributes.append(None if array is None else np.nan_to_num(array).reshape(-1))
+
+    ranges = [
+        (
+            positions.append(mesh.positions),
+            len(mesh.positions),
+            triangles.append(mesh.triangles),
+            len(mesh.triangles),
+            attribute(mesh.normals),
+            triangles.append(mesh.normal_triangles),
+            attribute(mesh.uvs),
+            triangles.append(mesh.uv_triangles),
+            attribute(mesh.uvs1),
+            attribute(_with_alpha(mesh.colors)),
+            attribute(mesh.tangents),
+            slots.append(mesh.triangle_materials),
+        )
+        for mesh in meshes
+    ]
+    return (
+        np.array(ranges, dtype=layouts.MESH_RANGES).reshape(-1),
+        _joined(positions.parts, np.float32, (0, 3)),
+        _joined(triangles.parts, np.int32, (0, 3)),
+        _joined(attributes.parts, np.float32, (0,)),
+        _joined(slots.parts, np.int32, (0,)),
+    )
+
+
+class _Column:
+    """Arrays that will stand one after the other."""
 
     def __init__(self) -> None:
-        self._rows: dict[int, int] = {}
-        self._kept: list[Mesh] = []
-        self._ranges: list[tuple[int, ...]] = []
-        self._positions: list[NDArray[np.float32]] = []
-        self._triangles: list[NDArray[np.int32]] = []
-        self._attributes: list[NDArray[np.float32]] = []
-        self._slots: list[NDArray[np.int32]] = []
-        self._n = dict.fromkeys(("positions", "triangles", "attributes", "slots"), 0)
+        self.parts: list[NDArray[np.generic]] = []
+        self._length = 0
 
-    def add(self, mesh: Mesh) -> int:
-        if id(mesh) not in self._rows:
-            self._rows[id(mesh)] = len(self._kept)
-            self._kept.append(mesh)
-            self._ranges.append(
-                (
-                    self._append("positions", mesh.positions),
-                    len(mesh.positions),
-                    self._append("triangles", mesh.triangles),
-                    len(mesh.triangles),
-                    self._attribute(mesh.normals),
-                    self._append("triangles", mesh.normal_triangles),
-                    self._attribute(mesh.uvs),
-                    self._append("triangles", mesh.uv_triangles),
-                    self._attribute(mesh.uvs1),
-                    self._attribute(_with_alpha(mesh.colors)),
-                    self._attribute(mesh.tangents),
-                    self._append("slots", mesh.triangle_materials),
-                )
-            )
-        return self._rows[id(mesh)]
-
-    def _append(self, family: str, array: NDArray[np.generic] | None) -> int:
+    def append(self, array: NDArray[np.generic] | None) -> int:
+        """Where the array begins; -1 for none."""
         if array is None:
             return -1
-        start = self._n[family]
-        getattr(self, f"_{family}").append(array)
-        self._n[family] += len(array)
+        start = self._length
+        self.parts.append(array)
+        self._length += len(array)
         return start
-
-    def _attribute(self, array: NDArray[np.float32] | None) -> int:
-        return self._append("attributes", None if array is None else np.nan_to_num(array).reshape(-1))
-
-    def tables(self) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]:
-        ranges = np.array(self._ranges, dtype=layouts.MESH_RANGES).reshape(-1)
-        return (
-            ranges,
-            _joined(self._positions, np.float32, (0, 3)),
-            _joined(self._triangles, np.int32, (0, 3)),
-            _joined(self._attributes, np.float32, (0,)),
-            _joined(self._slots, np.int32, (0,)),
-        )
 
 
 def _joined(parts: list[NDArray[np.generic]], dtype: type, empty: tuple[int, ...]) -> NDArray:  # type: ignore[type-arg]
@@ -167,9 +226,9 @@ def _with_alpha(colors: NDArray[np.float32] | None) -> NDArray[np.float32] | Non
 def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """The inverse, or the pseudo-inverse of a transform that flattens."""
     try:
-        return np.linalg.inv(matrix)
+        return np.linalg.inv(matrix).astype(np.float64)
     except np.linalg.LinAlgError:
-        return np.linalg.pinv(matrix)
+        return np.linalg.pinv(matrix).astype(np.float64)
 
 
 def _unit_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -202,34 +261,42 @@ def _tessellation(
     camera: Camera,
     pixels_per_unit: float,
     bounds: NDArray[np.float64],
+    stand_ins: _StandIns,
 ) -> Mesh:
     """The triangles that stand for a shape."""
     geometry = shape.geometry
     if isinstance(geometry, Mesh):
         return geometry
     if isinstance(geometry, Box):
-        return primitives.box(geometry.size)
+        return stand_ins.get(primitives.box, geometry.size)
     if isinstance(geometry, Sphere):
         largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * geometry.radius
         distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest)
         radius = largest * pixels_per_unit / (distance if isinstance(camera, PerspectiveCamera) else 1.0)
-        return primitives.sphere(geometry.radius, -(-_sphere_segments(radius) // 2))
-    return _plane_around(matrix, eye, bounds)
+        return stand_ins.get(primitives.sphere, geometry.radius, _sphere_bands(radius))
+    return _plane_around(matrix, eye, bounds, stand_ins)
 
 
-def _sphere_segments(radius_in_pixels: float) -> int:
-    """Segments of a great circle whose chords stay within a tenth of a pixel: r (1 - cos(pi/n)) <= 1/10."""
+def _sphere_bands(radius_in_pixels: float) -> int:
+    """Bands from pole to pole whose chords stay within a tenth of a pixel, r (1 - cos(pi/2n)) <= 1/10: a power of two.
+
+    A camera that moves a little then finds the same sphere again.
+    """
     ratio = min(_CHORD_ERROR / max(radius_in_pixels, 1e-9), 1.0)
-    return int(min(max(math.ceil(math.pi / math.acos(1.0 - ratio)), 16), 512))
+    bands = math.pi / (2.0 * math.acos(1.0 - ratio))
+    return int(min(max(2 ** math.ceil(math.log2(bands)), 8), 256))
 
 
-def _plane_around(matrix: NDArray[np.float64], eye: NDArray[np.float64], bounds: NDArray[np.float64]) -> Mesh:
+def _plane_around(
+    matrix: NDArray[np.float64], eye: NDArray[np.float64], bounds: NDArray[np.float64], stand_ins: _StandIns
+) -> Mesh:
     """The infinite plane as rings around the point below the eye, as far as the horizon needs."""
     local = _inverse(matrix) @ np.append(eye, 1.0)
     height = abs(float(local[1]))
     extent = float(np.linalg.norm(bounds[1] - bounds[0])) if np.isfinite(bounds).all() else 1.0
     reach = max(height, extent, 1e-6)
-    return primitives.plane_disk((float(local[0]), float(local[2])), max(0.25 * height, 1e-4 * reach), _HORIZON * reach, 48)
+    foot = (float(local[0]), float(local[2]))
+    return stand_ins.get(primitives.plane_disk, foot, max(0.25 * height, 1e-4 * reach), _HORIZON * reach, 48)
 
 
 # --- materials ------------------------------------------------------------------------------------------------------------
@@ -294,7 +361,11 @@ def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures
     row["emission_texture"] = _row(material.emissive_texture, textures)
 
 
-_FILL = {Lambert: _fill_lambert, BlinnPhong: _fill_blinn_phong, MetallicRoughness: _fill_metallic_roughness}
+_FILL: dict[type, Callable[..., None]] = {
+    Lambert: _fill_lambert,
+    BlinnPhong: _fill_blinn_phong,
+    MetallicRoughness: _fill_metallic_roughness,
+}
 
 
 # --- lights ---------------------------------------------------------------------------------------------------------------

@@ -154,7 +154,7 @@ def test_references_out_of_the_folder(triangle: Any, tmp_path: Path, uri: str) -
 def test_pictures_out_of_the_folder(rich: Any, tmp_path: Path) -> None:
     """A picture that lies elsewhere is left out with a warning."""
     rich.document["images"][0] = {"uri": "../../picture.png"}
-    with pytest.warns(LimnerWarning, match=r"/materials/0/pbr.*Texture and 4 more: drawn without, /images/0/uri: must stay inside"):
+    with pytest.warns(LimnerWarning, match=r"/materials/0/.* and 4 more: drawn without, /images/0/uri: must stay inside"):
         scene = load(rich.save(tmp_path))
     assert scene.shapes()[0][1].materials[0].base_color_texture is None  # type: ignore[union-attr]
 
@@ -165,7 +165,7 @@ def test_missing_and_broken_pictures(rich: Any, tmp_path: Path, damage: bytes | 
     rich.document["images"][0] = {"uri": "picture.png"}
     if damage is not None:
         (tmp_path / "picture.png").write_bytes(damage)
-    with pytest.warns(LimnerWarning, match="/materials/0/pbrMetallicRoughness/baseColorTexture and 4 more: drawn without, /images/0"):
+    with pytest.warns(LimnerWarning, match="/materials/0/.*/baseColorTexture and 4 more: drawn without, /images/0"):
         assert len(load(rich.save(tmp_path)).shapes()) == 1
 
 
@@ -247,7 +247,8 @@ def test_deep_graphs_and_deep_json(triangle: Any, tmp_path: Path) -> None:
         (b"", "Expecting value"), (b"[]", "must be an object"), (b"{", "line 1"), (b'{"asset": NaN}', "NaN"),
         (b"\xff\xfe{", "UTF-8"), (b'{"asset": {"version": "2.0"}, "nodes": 3}', "/nodes: must be an array"),
         (b'{"asset": {"version": "2.0"}, "meshes": [1], "nodes": [{"mesh": 0}]}', ""), (b"{}", "/asset: is missing"),
-        (b'{"asset": {"version": "2.0"}, "nodes": [7]}', "/nodes/0: must be an object"), (b'{"a": 1' + b"0" * 5000 + b"}", "JSON"),
+        (b'{"asset": {"version": "2.0"}, "nodes": [7]}', "/nodes/0: must be an object"),
+        (b'{"a": 1' + b"0" * 5000 + b"}", "JSON"),
     ],
 )  # fmt: skip
 def test_text_that_is_no_gltf(tmp_path: Path, data: bytes, message: str) -> None:
@@ -280,13 +281,14 @@ def test_bad_containers(triangle: Any, tmp_path: Path) -> None:
 def test_truncation_at_every_seventh_byte(rich: Any, tmp_path: Path) -> None:
     """A file cut off anywhere is drawn in part or refused; never anything else."""
     whole = rich.glb()
-    outcomes = set()
+    outcomes, said = set(), []
     for end in range(0, len(whole), 7):
         try:
             outcomes.add(drawn(whole[:end], tmp_path / "a.glb"))
         except LimnerError as error:
-            assert "\n" not in str(error)
+            said.append(str(error))
     assert outcomes == {2}
+    assert not any("\n" in line for line in said)
 
 
 @pytest.mark.filterwarnings("ignore::limner.errors.LimnerWarning")
@@ -319,6 +321,7 @@ def test_every_value_of_every_wrong_type(rich: Any, tmp_path: Path) -> None:
     rich.document["extensionsUsed"] = ["KHR_materials_unlit"]
     wrong = [None, -1, 2**62, 1e308, 0.5, "x", [], {}, True, ...]
     original = json.loads(rich.embedded())
+    said: set[str] = set()
     n = sum(1 for _ in places(original))
     assert n > 200
     for number in range(n):
@@ -334,7 +337,8 @@ def test_every_value_of_every_wrong_type(rich: Any, tmp_path: Path) -> None:
                     warnings.simplefilter("error")
                     drawn(json.dumps(document).encode(), tmp_path / "a.gltf")
             except LimnerError as error:
-                assert "\n" not in str(error)
+                said.add(str(error))
+    assert not any("\n" in line for line in said)
 
 
 @pytest.mark.parametrize("n_notes", [1000])

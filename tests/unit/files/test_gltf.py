@@ -69,7 +69,8 @@ def test_integer_positions_are_taken_as_they_stand(writer: Any, tmp_path: Path, 
     rows[:, :3] = [[0, 0, 0], [100, 0, 0], [0, 50, 7]]
     view = writer.view(rows.tobytes(), byteStride=rows.strides[0])
     writer.document["accessors"].append({
-        "bufferView": view, "componentType": {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123}[dtype], "count": 3, "type": "VEC3",
+        "bufferView": view, "componentType": {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123}[dtype], "count": 3,
+        "type": "VEC3",
     })  # fmt: skip
     primitive["attributes"]["POSITION"] = len(writer.document["accessors"]) - 1
     np.testing.assert_array_equal(only_mesh(load(writer.save(tmp_path))).positions, rows[:, :3])
@@ -160,7 +161,9 @@ def test_points_and_lines_are_noted(triangle: Any, tmp_path: Path, mode: int) ->
     u=st.floats(-2, 2),
     v=st.floats(-2, 2),
 )
-def test_texture_transform(offset: tuple[float, float], scale: tuple[float, float], rotation: float, u: float, v: float) -> None:
+def test_texture_transform(
+    offset: tuple[float, float], scale: tuple[float, float], rotation: float, u: float, v: float
+) -> None:
     """Turning after the file's transform is transforming, our way, after turning: one texel, whichever way it is reached."""
     c, s = math.cos(rotation), math.sin(rotation)
     x, y = scale[0] * u, scale[1] * v

@@ -13,6 +13,7 @@ import pytest
 from limner.errors import FileFormatError, LimnerError, LimnerWarning, SceneError, UnsupportedError
 from limner.files.limits import Limits
 from limner.files.load import EXTENSIONS, load, model_format
+from limner.mesh.mesh import Mesh
 
 OBJ = b"# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
@@ -52,7 +53,11 @@ def test_strangers(tmp_path: Path, data: bytes, error: type[LimnerError], messag
 
 def test_files_that_cannot_be_opened(tmp_path: Path) -> None:
     """Missing files, folders and impossible names are FileFormatErrors with the path."""
-    for path, message in ((tmp_path / "no.glb", "no such file"), (tmp_path, "a folder"), (tmp_path / ("x" * 5000), "cannot be read")):
+    for path, message in (
+        (tmp_path / "no.glb", "no such file"),
+        (tmp_path, "a folder"),
+        (tmp_path / ("x" * 5000), "cannot be read"),
+    ):
         with pytest.raises(FileFormatError, match=message):
             load(path)
 
@@ -97,11 +102,12 @@ def test_formats_of_trimesh(tmp_path: Path, kind: str) -> None:
     path = tmp_path / f"ball.{kind}"
     sphere.export(path)
     scene = load(path)
-    geometry = scene.shapes()[0][1].geometry
-    assert (len(geometry.positions), len(geometry.triangles)) == (len(sphere.vertices), len(sphere.faces))  # type: ignore[union-attr]
-    corner_normals = geometry.normals[geometry.normal_triangles if geometry.normal_triangles is not None else geometry.triangles]  # type: ignore
-    towards = geometry.positions[geometry.triangles]  # type: ignore[union-attr]
-    assert np.einsum("tci,tci->tc", corner_normals, towards).min() > 0.99
+    mesh = scene.shapes()[0][1].geometry
+    assert isinstance(mesh, Mesh)
+    assert mesh.normals is not None
+    assert (len(mesh.positions), len(mesh.triangles)) == (len(sphere.vertices), len(sphere.faces))
+    corner_normals = mesh.normals[mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles]
+    assert np.einsum("tci,tci->tc", corner_normals, mesh.positions[mesh.triangles]).min() > 0.99
     assert scene.name == "ball"
 
 
@@ -127,7 +133,8 @@ def test_scenes_of_trimesh() -> None:
 
     scene = trimesh.Scene()
     for x in (0.0, 3.0):
-        scene.add_geometry(trimesh.creation.box(), geom_name="box", transform=trimesh.transformations.translation_matrix([x, 0, 0]))
+        place = trimesh.transformations.translation_matrix([x, 0, 0])
+        scene.add_geometry(trimesh.creation.box(), geom_name="box", transform=place)
     found = scene_from_trimesh(scene)
     np.testing.assert_allclose(found.bounds(), scene.bounds)
     with pytest.raises(SceneError, match="trimesh"):
@@ -138,7 +145,13 @@ def test_bad_files_for_trimesh(tmp_path: Path) -> None:
     """Whatever trimesh raises is a FileFormatError of one line."""
     pytest.importorskip("trimesh", reason="the formats extra is not installed")
     huge = b"ply\nformat binary_little_endian 1.0\nelement vertex 4611686018427387904\nproperty float x\nend_header\n"
-    for name, data in (("a.ply", huge), ("a.ply", b"ply\n"), ("a.stl", b"solid x\n"), ("a.stl", b"\0" * 84), ("a.off", b"OFF\n1 2\n")):
+    for name, data in (
+        ("a.ply", huge),
+        ("a.ply", b"ply\n"),
+        ("a.stl", b"solid x\n"),
+        ("a.stl", b"\0" * 84),
+        ("a.off", b"OFF\n1 2\n"),
+    ):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(FileFormatError) as caught:
             load(tmp_path / name)

@@ -152,7 +152,8 @@ def test_vertex_colours() -> None:
 
 
 @pytest.mark.parametrize(
-    "face", ["f 1 2", "f 1 2 9", "f 1 2 0", "f a b c", "f 1/ /2 3", "f 1 2 1.5", "f", "f 1 2 -9", "f 1/1/1/1 2 3", "f 1 2 99999999999999999999"]
+    "face",
+    ["f 1 2", "f 1 2 9", "f 1 2 0", "f a b c", "f 1/ /2 3", "f 1 2 1.5", "f", "f 1 2 -9", "f 1/1/1/1 2 3", "f 1 2 9e9"],
 )  # fmt: skip
 def test_malformed_faces_are_counted(face: str) -> None:
     """A bad face is left out with the line of the first; alone it is an error with that line."""
@@ -214,12 +215,12 @@ LINES = st.one_of(
 def test_any_lines_give_a_scene_or_one_line_of_error(lines: list[str], end: str) -> None:
     """Whatever the lines: a sound scene, or a LimnerError of one line."""
     text = end.join(lines)
+    said = ""
     try:
-        scene = scene_of(text.encode("utf-8", errors="surrogatepass"))
+        assert scene_of(text.encode("utf-8", errors="surrogatepass")).shapes()
     except LimnerError as error:
-        assert "\n" not in str(error)
-    else:
-        assert scene.shapes()
+        said = str(error)
+    assert "\n" not in said
 
 
 @settings(max_examples=60)
@@ -245,7 +246,7 @@ def test_mtl(tmp_path: Path) -> None:
     )
     path = tmp_path / "a.obj"
     path.write_text("mtllib my lib.mtl\n" + SQUARE + "usemtl red\nf 1 2 3\nusemtl matte\nf 1 3 4\n")
-    with pytest.warns(LimnerWarning, match="my lib.mtl, line 17: a number cannot be read"):
+    with pytest.warns(LimnerWarning, match="my lib.mtl, line 16: a number cannot be read"):
         red, matte = load(path).shapes()[0][1].materials
     assert isinstance(red, BlinnPhong)
     assert isinstance(matte, BlinnPhong)

@@ -21,10 +21,13 @@ if TYPE_CHECKING:
     from .files.load import load
     from .image.image import Image
     from .mesh.mesh import Mesh
+    from .produce import dataset
     from .progress import Progress
+    from .raycaster import RayCaster
     from .render import render
     from .scene.camera import OrthographicCamera
     from .scene.camera import PerspectiveCamera as Camera
+    from .scene.environment import Environment
     from .scene.library import builtin
     from .scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight
     from .scene.material import BlinnPhong, Lambert, MetallicRoughness
@@ -41,6 +44,7 @@ __all__ = [
     "Box",
     "Camera",
     "DirectionalLight",
+    "Environment",
     "FileFormatError",
     "Image",
     "Lambert",
@@ -53,6 +57,7 @@ __all__ = [
     "Plane",
     "PointLight",
     "Progress",
+    "RayCaster",
     "RenderError",
     "Scene",
     "SceneError",
@@ -64,6 +69,7 @@ __all__ = [
     "UnsupportedError",
     "__version__",
     "builtin",
+    "dataset",
     "load",
     "render",
 ]
@@ -76,8 +82,10 @@ _HOMES = {
     "image.image": ("Image",),
     "mesh.mesh": ("Mesh",),
     "progress": ("Progress",),
+    "raycaster": ("RayCaster",),
     "render": ("render",),
     "scene.camera": ("Camera", "OrthographicCamera"),
+    "scene.environment": ("Environment",),
     "scene.library": ("builtin",),
     "scene.light": ("AmbientLight", "DirectionalLight", "PointLight", "SpotLight"),
     "scene.material": ("BlinnPhong", "Lambert", "MetallicRoughness"),
@@ -86,11 +94,14 @@ _HOMES = {
     "scene.shape": ("Box", "Plane", "Shape", "Sphere"),
     "scene.texture": ("Texels", "Texture"),
 }
+_MODULES = {"dataset": "produce.dataset"}
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name on its first use (PEP 562)."""
+    if name in _MODULES:
+        return importlib.import_module(f".{_MODULES[name]}", __name__)
     home = _HOME_OF.get(name)
     if home is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,50 +1,63 @@
-"""From a scene to a picture: the one door.
+"""From a scene to pictures: the one door.
 
     image = limner.render("model.glb", width=800, height=600, renderer="ray")
 
-What a scene lacks (a camera, light) is added and said; then the scene is flattened to tables, and a renderer fills a film.
+    with limner.Renderer(scene, width=1280, height=720) as renderer:
+        for camera in cameras:
+            frame = renderer.render(camera)
+
+What a scene lacks (a camera, light) is added and said; then the scene is flattened to tables, and a renderer exposes a film. A Renderer
+keeps what did not change from one picture to the next.
 """
 
 from __future__ import annotations
 
-import os
+import contextlib
 import threading
 import warnings as python_warnings
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .accel import bvh
+from .accel.layouts import Accelerator
 from .aov import CHANNELS, channels, empty_values, with_solid_blends
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
+from .film import Film
 from .image.image import Image
 from .progress import Meter, OnProgress
 from .raster import pipeline
-from .raytrace import driver as ray_driver
+from .raytrace import driver
 from .samples import pixel_samples
 from .scene.camera import Camera
 from .scene.framing import with_defaults
 from .scene.scene import Scene
-from .tables.build import build, names, view
-from .tiles import Cancelled, thread_count
+from .tables.build import Built, View, flatten, names, view
+from .tables.layouts import Lighting
+from .tables.lighting import lighting
+from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 
 if TYPE_CHECKING:
-    from .tables.build import View
-    from .tables.layouts import SceneTables
+    from .scene.environment import Environment
 
-__all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "render"]
+__all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
 
-RENDERERS = ("raster", "ray")
+RENDERERS = ("raster", "ray", "path")
 AOVS = CHANNELS
 MAX_SIDE = 32768
-MAX_PIXELS = 1 << 28
-MAX_SAMPLES = 1 << 16
-_DEFAULT_SAMPLES = {"raster": 8, "ray": 8}
+MAX_PIXELS = 1 << 26
+MAX_SAMPLES = 1 << 20
+_DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
+_TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
+_SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
+
+Work = Callable[[Tile, int, int], None]
 
 
 def render(
-    scene: Scene | str | os.PathLike[str],
+    scene: Any,
     *,
     width: int = 800,
     height: int = 600,
@@ -55,8 +68,9 @@ def render(
     max_depth: int = 8,
     shadows: bool = True,
     threads: int | None = None,
-    tile_size: int = pipeline.TILE_SIZE,
+    tile_size: int | None = None,
     aovs: Iterable[str] = (),
+    default_lights: bool = True,
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
 ) -> Image:
@@ -64,26 +78,29 @@ def render(
 
     Parameters
     ----------
-    scene : Scene or path
+    scene : Scene, path, (vertices, triangles), or a trimesh mesh or scene
         A path is loaded; "teapot" and "cornell" are built in.
     width, height : int
         Pixels, 1 to 32768 each.
-    renderer : "raster" | "ray"
-        The graphics pipeline, without shadows and reflections; or ray tracing with both.
+    renderer : "raster" | "ray" | "path"
+        The graphics pipeline, without shadows and reflections; ray tracing with both; or path tracing, with all light that surfaces
+        send to each other.
     samples : int, optional
-        Points of every pixel that are looked at; None: 8.
+        Points of every pixel that are looked at; None: 8, or 64 paths.
     seed : int
         For what is drawn by lot; the same seed, the same picture.
     camera : Camera, optional
         In place of the scene's own.
     max_depth : int >= 0
-        How often a ray is reflected at most (`ray`).
+        How often a ray is reflected (`ray`) or light scattered (`path`) at most.
     shadows : bool
         Whether lights can be hidden (`ray`).
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
         What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel.
+    default_lights : bool
+        Whether a scene without any light gets some.
     on_progress : callable, optional
         Takes a `Progress` now and then.
     cancel : threading.Event, optional
@@ -98,64 +115,281 @@ def render(
     SceneError, UnsupportedError, FileFormatError
         Before anything is drawn.
     """
-    _check(width, height, renderer, samples, max_depth, tile_size)
-    wanted = _wanted_aovs(aovs)
-    n_threads = thread_count(threads)
-    if not isinstance(scene, Scene):
-        scene = _opened(scene)
-    if camera is not None:
-        scene = scene.replace(camera=camera)
-    scene, messages = with_defaults(scene, width / height)
-    assert scene.camera is not None
-    tables = build(scene, scene.camera, width, height)
-    seen = view(scene, tables, scene.camera, width, height)
-    n = _DEFAULT_SAMPLES[renderer] if samples is None else samples
-    film = np.zeros((height, width, 4), dtype=np.float32)
-    background = _background(scene)
-    meter = Meter(on_progress, "render")
-    meter.report(0.0)
-    finished = True
-    try:
-        if renderer == "raster":
-            pipeline.draw(
-                tables, seen, pixel_samples(n), background, film,
-                threads=n_threads, tile_size=tile_size, on_progress=meter.report, cancel=cancel,
+    with Renderer(
+        scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
+        threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+    ) as once:  # fmt: skip
+        image = once.render(camera, on_progress=on_progress, cancel=cancel)
+    for slip in once.slips:
+        python_warnings.warn(slip, LimnerWarning, stacklevel=2)
+    return image
+
+
+class _Frame(NamedTuple):
+    """A picture that is being made."""
+
+    scene: Scene
+    camera: Camera
+    built: Built
+    view: View
+    film: Film
+    work: Work
+    messages: tuple[str, ...]
+
+
+class Renderer:
+    """Makes many pictures of one scene; meshes, textures and the tree over them are kept while they stay the same.
+
+    Parameters
+    ----------
+    scene, width, height, renderer, samples, seed, max_depth, shadows, threads, tile_size, aovs, default_lights
+        As in `render`.
+
+    Every picture is the one that `render` would make, to the bit. A Renderer belongs to one thread at a time; several may work side by
+    side. It can be pickled; what it keeps stays behind.
+
+    Attributes
+    ----------
+    scene : Scene
+        Assign another, such as ``renderer.scene.replace(...)``, to go on with it.
+    slips : tuple of str
+        What was wrong with the last picture.
+    """
+
+    def __init__(
+        self,
+        scene: Any,
+        *,
+        width: int = 800,
+        height: int = 600,
+        renderer: str = "raster",
+        samples: int | None = None,
+        seed: int = 0,
+        max_depth: int = 8,
+        shadows: bool = True,
+        threads: int | None = None,
+        tile_size: int | None = None,
+        aovs: Iterable[str] = (),
+        default_lights: bool = True,
+    ) -> None:
+        _check(width, height, renderer, samples, seed, max_depth, tile_size)
+        self._width, self._height, self._renderer = int(width), int(height), renderer
+        self._samples = _DEFAULT_SAMPLES[renderer] if samples is None else int(samples)
+        self._seed, self._max_depth, self._shadows = int(seed), int(max_depth), bool(shadows)
+        self._threads = thread_count(threads)
+        self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
+        self._aovs = _wanted_aovs(aovs)
+        self._default_lights = bool(default_lights)
+        self.slips: tuple[str, ...] = ()
+        self.scene = _as_scene(scene)
+        self.close()
+
+    def close(self) -> None:
+        """Let go of what is kept."""
+        self._built: Built | None = None
+        self._tree: tuple[Built, Accelerator] | None = None
+        self._sky: tuple[Environment | None, NDArray[np.float32] | None] = (None, None)
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_built": None, "_tree": None, "_sky": (None, None)}
+
+    @overload
+    def render(
+        self,
+        camera: Camera | None = None,
+        *,
+        output: Literal["image"] = "image",
+        on_progress: OnProgress | None = None,
+        cancel: threading.Event | None = None,
+    ) -> Image: ...
+
+    @overload
+    def render(
+        self,
+        camera: Camera | None = None,
+        *,
+        output: Literal["uint8"],
+        on_progress: OnProgress | None = None,
+        cancel: threading.Event | None = None,
+    ) -> NDArray[np.uint8]: ...
+
+    def render(
+        self,
+        camera: Camera | None = None,
+        *,
+        output: str = "image",
+        on_progress: OnProgress | None = None,
+        cancel: threading.Event | None = None,
+    ) -> Image | NDArray[np.uint8]:
+        """Make a picture.
+
+        Parameters
+        ----------
+        camera : Camera, optional
+            In place of the scene's own.
+        output : "image" | "uint8"
+            An Image, or (height, width, 4) uint8 as a screen wants it.
+        on_progress, cancel
+            As in `limner.render`.
+        """
+        if output not in ("image", "uint8"):
+            raise UnsupportedError(f'output must be "image" or "uint8", got {output!r}')
+        at_once = _SAMPLES_AT_ONCE[self._renderer]
+        ends = [*range(at_once, self._samples, at_once), self._samples]
+        with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False)) as pictures:
+            image = next(pictures)
+        return image.to_uint8() if output == "uint8" else image
+
+    def refine(
+        self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
+    ) -> Iterator[Image]:
+        """Yield better and better pictures: of 1 sample, 2, 4, and so on; the last is what `render` returns.
+
+        Leave the loop whenever a picture is good enough.
+        """
+        ends = [1 << k for k in range(self._samples.bit_length()) if 1 << k < self._samples]
+        return self._pictures(camera, [*ends, self._samples], on_progress, cancel, every=True)
+
+    def _pictures(
+        self, camera: Camera | None, ends: list[int], on_progress: OnProgress | None, cancel: threading.Event | None, *, every: bool
+    ) -> Iterator[Image]:
+        """Expose a film up to each of `ends` samples; yield the picture after each, or after the last."""
+        meter = Meter(on_progress, "render")
+        meter.report(0.0)
+        try:
+            frame = self._prepared(camera)
+        except MemoryError:
+            raise RenderError(f"there is not enough memory for a picture of {self._width} x {self._height}") from None
+        first = 0
+        for last in ends:
+            try:
+                self._expose(frame, first, last, meter, cancel)
+                extra = self._channels(frame) if last == ends[-1] else {}
+            except (Cancelled, KeyboardInterrupt):
+                yield self._developed(frame, {}, finished=False)
+                return
+            if every or last == ends[-1]:
+                yield self._developed(frame, extra, finished=True)
+            first = last
+
+    def _expose(self, frame: _Frame, first: int, last: int, meter: Meter, cancel: threading.Event | None) -> None:
+        """Add samples first..last to every tile, a few at a time, so that a stop is soon heard."""
+        step = _SAMPLES_AT_ONCE[self._renderer]
+        for start in range(first, last, step):
+            end = min(start + step, last)
+
+            def expose(tile: Tile, start: int = start, end: int = end) -> None:
+                frame.work(tile, start, end)
+                frame.film.taken[tile.number] = end
+
+            def report(part: float, start: int = start, end: int = end) -> None:
+                meter.report((start + part * (end - start)) / self._samples)
+
+            run_all(expose, frame.film.tiles, self._threads, report, cancel)
+
+    def _prepared(self, camera: Camera | None) -> _Frame:
+        if camera is not None and not isinstance(camera, Camera):
+            raise SceneError(f"camera must be a PerspectiveCamera or an OrthographicCamera, got {type(camera).__name__}")
+        given = self.scene if camera is None else self.scene.replace(camera=camera)
+        scene, messages = with_defaults(given, self._width / self._height, lights=self._default_lights)
+        assert scene.camera is not None
+        is_raster = self._renderer == "raster"
+        built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster)
+        self._built = built
+        seen = view(scene, built.tables, scene.camera, self._width, self._height)
+        film = Film(self._width, self._height, self._tile_size)
+        light, background = self._lighting(scene, built), _background(scene)
+        if is_raster:
+            work = pipeline.prepare(
+                built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
+                tile_size=self._tile_size,
+            )  # fmt: skip
+        elif self._renderer == "ray":
+            work = driver.prepare(
+                built.tables, self._accelerator(built), light, seen, pixel_samples(self._samples), background, film.sums,
+                max_depth=self._max_depth, shadows=self._shadows,
             )  # fmt: skip
         else:
-            ray_driver.draw(
-                tables, seen, pixel_samples(n), background, film, max_depth=max_depth, shadows=shadows,
-                threads=n_threads, tile_size=tile_size, on_progress=meter.report, cancel=cancel,
-            )  # fmt: skip
-        extra = _aov_pass(wanted, renderer, tables, seen, n_threads, tile_size)
-    except (Cancelled, KeyboardInterrupt):
-        finished, extra = False, {}
-    except MemoryError:
-        raise RenderError(f"there is not enough memory for a picture of {width} x {height}") from None
-    pixels, slips = _developed(film, n)
-    recipe = _recipe(width, height, renderer, n, seed, max_depth, scene.camera)
-    id_names = {name: ids for name, ids in names(scene).items() if name in extra}
-    for slip in slips:
-        python_warnings.warn(slip, LimnerWarning, stacklevel=2)
-    return Image(pixels, extra, id_names, recipe, (*messages, *slips), finished)
+            work = driver.prepare_paths(
+                built.tables, self._accelerator(built), light, seen, background, film.sums, max_depth=self._max_depth, seed=self._seed
+            )
+        return _Frame(scene, scene.camera, built, seen, film, work, messages)
+
+    def _accelerator(self, built: Built) -> Accelerator:
+        """The tree over the scene; the last one while nothing in it has moved."""
+        if self._tree is None or not _same_primitives(self._tree[0], built):
+            self._tree = built, bvh.build(built.tables)
+        return self._tree[1]
+
+    def _lighting(self, scene: Scene, built: Built) -> Lighting:
+        environment = getattr(scene, "environment", None)
+        if environment is None:
+            return lighting(built.tables, None)
+        if self._sky[0] is not environment:
+            self._sky = environment, _sky_pixels(environment)
+        visible = scene.background == "environment"
+        return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible)
+
+    def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
+        if not self._aovs:
+            return {}
+        values, ids = empty_values(self._width, self._height)
+        tables = with_solid_blends(frame.built.tables)
+        if self._renderer == "raster":
+            pipeline.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
+        else:
+            driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
+        return channels(self._aovs, values, ids)
+
+    def _developed(self, frame: _Frame, extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
+        pixels, self.slips = frame.film.developed()
+        id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
+        recipe = self._recipe(frame, int(frame.film.taken.min()))
+        return Image(pixels, extra, id_names, recipe, (*frame.messages, *self.slips), finished)
+
+    def _recipe(self, frame: _Frame, samples: int) -> dict[str, Any]:
+        from . import __version__
+
+        return {
+            "limner": __version__,
+            "renderer": self._renderer,
+            "width": self._width,
+            "height": self._height,
+            "samples": samples,
+            "seed": self._seed,
+            "max_depth": self._max_depth,
+            "shadows": self._shadows,
+            "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
+        }
 
 
-def _check(width: int, height: int, renderer: str, samples: int | None, max_depth: int, tile_size: int) -> None:
+def _check(width: int, height: int, renderer: str, samples: int | None, seed: int, max_depth: int, tile_size: int | None) -> None:
     for name, value in (("width", width), ("height", height)):
-        if not isinstance(value, (int, np.integer)) or not 1 <= value <= MAX_SIDE:
+        if not is_whole(value) or not 1 <= value <= MAX_SIDE:
             raise SceneError(f"{name} must be an integer from 1 to {MAX_SIDE}, got {value!r}")
     if width * height > MAX_PIXELS:
         raise SceneError(f"a picture must not have more than {MAX_PIXELS} pixels, got {width} x {height}")
     if renderer not in RENDERERS:
         raise UnsupportedError(f"renderer must be one of {', '.join(RENDERERS)}, got {renderer!r}")
-    if samples is not None and (not isinstance(samples, (int, np.integer)) or not 1 <= samples <= MAX_SAMPLES):
+    if samples is not None and (not is_whole(samples) or not 1 <= samples <= MAX_SAMPLES):
         raise SceneError(f"samples must be an integer from 1 to {MAX_SAMPLES}, got {samples!r}")
-    if not 0 <= max_depth <= 1000:
-        raise SceneError(f"max_depth must lie between 0 and 1000, got {max_depth!r}")
-    if not 8 <= tile_size <= 1024:
-        raise SceneError(f"tile_size must lie between 8 and 1024, got {tile_size!r}")
+    if not is_whole(seed) or not 0 <= seed < 1 << 63:
+        raise SceneError(f"seed must be an integer from 0 to 2^63 - 1, got {seed!r}")
+    if not is_whole(max_depth) or not 0 <= max_depth <= 1000:
+        raise SceneError(f"max_depth must be an integer from 0 to 1000, got {max_depth!r}")
+    if tile_size is not None and (not is_whole(tile_size) or not 8 <= tile_size <= 1024):
+        raise SceneError(f"tile_size must be an integer from 8 to 1024, got {tile_size!r}")
 
 
 def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(aovs, str) or not isinstance(aovs, Iterable):
+        raise UnsupportedError(f'aovs must be names, as in ("depth", "normal"), got {aovs!r}')
     wanted = tuple(dict.fromkeys(aovs))
     for name in wanted:
         if name not in AOVS:
@@ -163,58 +397,44 @@ def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:
     return wanted
 
 
-def _opened(path: str | os.PathLike[str]) -> Scene:
-    from .files.load import load
-    from .scene.library import BUILTINS, builtin
+def _as_scene(thing: Any) -> Scene:
+    if isinstance(thing, Scene):
+        return thing
+    import os
+    if isinstance(thing, (str, os.PathLike)):
+        from .files.load import load
+        from .scene.library import BUILTINS, builtin
+        return builtin(str(thing)) if str(thing) in BUILTINS else load(thing)
+    if not isinstance(thing, (str, os.PathLike)):
+        raise SceneError(f"scene must be a Scene or the path of a file, got {type(thing).__name__}")
+    from .files.interop import as_scene
 
-    return builtin(str(path)) if str(path) in BUILTINS else load(path)
+    return as_scene(thing)
 
 
 def _background(scene: Scene) -> NDArray[np.float32]:
-    if scene.background is None:
+    if scene.background is None or isinstance(scene.background, str):
         return np.zeros(4, dtype=np.float32)
     return np.array([*scene.background, 1.0], dtype=np.float32)
 
 
-def _aov_pass(
-    wanted: tuple[str, ...], renderer: str, tables: SceneTables, seen: View, threads: int, tile_size: int
-) -> dict[str, NDArray[Any]]:
-    if not wanted:
-        return {}
-    values, ids = empty_values(int(seen.camera["width"][0]), int(seen.camera["height"][0]))
-    draw_channels = pipeline.draw_channels if renderer == "raster" else ray_driver.draw_channels
-    draw_channels(with_solid_blends(tables), seen, values, ids, threads=threads, tile_size=tile_size)
-    return channels(wanted, values, ids)
+def _sky_pixels(environment: Environment) -> NDArray[np.float32]:
+    """(height, width, 3) float32 radiance of an environment, read if it is a file."""
+    source = environment.source
+    if isinstance(source, str):
+        from .files.radiance import read_radiance
+
+        return read_radiance(source)
+    if isinstance(source, tuple):
+        return np.broadcast_to(np.array(source, dtype=np.float32), (16, 32, 3))
+    return np.asarray(source, dtype=np.float32)
 
 
-def _developed(film: NDArray[np.float32], n: int) -> tuple[NDArray[np.float32], list[str]]:
-    """The film's sums as straight-alpha pixels, row 0 on top; and what is wrong with them."""
-    pixels = film[::-1] * np.float32(1.0 / n)
-    alpha = pixels[..., 3:]
-    partial = (alpha > 0.0) & (alpha < 1.0)
-    if partial.any():
-        np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=partial)
-    bad = ~np.isfinite(pixels).all(axis=2)
-    slips = []
-    if bad.any():
-        y, x = (int(k) for k in np.argwhere(bad)[0])
-        slips.append(f"{int(bad.sum())} pixels are not finite and were made black, the first at x = {x}, y = {y}")
-        pixels[bad] = 0.0
-    return pixels, slips
-
-
-def _recipe(width: int, height: int, renderer: str, samples: int, seed: int, max_depth: int, camera: Camera) -> dict[str, Any]:
-    from . import __version__
-
-    return {
-        "limner": __version__,
-        "renderer": renderer,
-        "width": width,
-        "height": height,
-        "samples": samples,
-        "seed": seed,
-        "max_depth": max_depth,
-        "camera": {
-            key: np.asarray(value).tolist() if isinstance(value, np.ndarray) else value for key, value in vars(camera).items()
-        },
-    }
+def _same_primitives(before: Built, now: Built) -> bool:
+    """Whether a tree over one scene serves the other: the same meshes in the same places, their sides and alphas alike."""
+    a, b = before.tables, now.tables
+    if len(before.meshes) != len(now.meshes) or any(x is not y for x, y in zip(before.meshes, now.meshes, strict=True)):
+        return False
+    same_places = a.instances.tobytes() == b.instances.tobytes()
+    fields = ["double_sided", "alpha_mode"]
+    return same_places and len(a.materials) == len(b.materials) and (a.materials[fields] == b.materials[fields]).all()

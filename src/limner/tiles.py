@@ -13,9 +13,11 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import NamedTuple, Protocol, TypeVar
 
+import numpy as np
+
 from .errors import SceneError
 
-__all__ = ["Cancelled", "OnProgress", "Tile", "run_all", "thread_count", "tiles_of"]
+__all__ = ["Cancelled", "OnProgress", "Tile", "is_whole", "run_all", "thread_count", "tiles_of"]
 
 T = TypeVar("T")
 
@@ -53,9 +55,14 @@ def thread_count(threads: int | None) -> int:
     """How many threads to use: all cores that this process may use, unless told otherwise."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if threads < 1:
-        raise SceneError(f"threads must be at least 1, got {threads}")
+    if not is_whole(threads) or threads < 1:
+        raise SceneError(f"threads must be an integer, at least 1, got {threads!r}")
     return int(threads)
+
+
+def is_whole(value: object) -> bool:
+    """Whether a value counts something: an integer of Python or NumPy, and no bool."""
+    return hasattr(value, "__index__") and not isinstance(value, (bool, np.bool_))
 
 
 def run_all(

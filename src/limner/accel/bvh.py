@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from .._door import Array, Door, Scalar
 from ..errors import UnsupportedError
 from ..tables import layouts as tables_layouts
-from ..tables.layouts import PLANE, SPHERE, SceneTables
+from ..tables.layouts import BOX, MESH, PLANE, SPHERE, SceneTables
 from .layouts import NODE, PRIMITIVE, Accelerator
 
-__all__ = ["Kind", "build"]
+__all__ = ["Kind", "build", "build_over"]
 
 Kind = Literal["bvh", "linear"]
 
@@ -54,10 +54,31 @@ def build(tables: SceneTables, accelerator: Kind = "bvh") -> Accelerator:
     accelerator : "bvh" | "linear"
         Linear tries everything: slow, and the oracle of the tests.
     """
+    return build_over(*_primitives(tables), _planes(tables), accelerator)
+
+
+def build_over(
+    primitives: NDArray[np.void],
+    corners: NDArray[np.float32],
+    bounds: NDArray[np.float32],
+    planes: NDArray[np.void],
+    accelerator: Kind = "bvh",
+) -> Accelerator:
+    """Build an accelerator over primitives that somebody gathered.
+
+    Parameters
+    ----------
+    primitives : (n,) PRIMITIVE
+    corners : (n, 9) float32
+        The vertices of the triangles among them.
+    bounds : (n, 6) float32
+        Finite: low corner, high corner.
+    planes : (k,) PRIMITIVE
+        What has no bounds.
+    accelerator : "bvh" | "linear"
+    """
     if accelerator not in ("bvh", "linear"):
         raise UnsupportedError(f'accelerator must be "bvh" or "linear", got {accelerator!r}')
-    primitives, corners, bounds = _primitives(tables)
-    planes = np.flatnonzero(tables.instances["kind"] == PLANE).astype(np.int32)
     n = len(primitives)
     order = np.arange(n, dtype=np.int32)
     nodes = np.zeros(0, dtype=NODE)
@@ -69,11 +90,24 @@ def build(tables: SceneTables, accelerator: Kind = "bvh") -> Accelerator:
     return Accelerator(nodes, primitives[order], np.ascontiguousarray(corners[order]), planes)
 
 
+def _planes(tables: SceneTables) -> NDArray[np.void]:
+    """(k,) PRIMITIVE: the infinite planes."""
+    found = np.flatnonzero(tables.instances["kind"] == PLANE)
+    materials = tables.materials[tables.instances["material"][found]]
+    planes = np.zeros(len(found), dtype=PRIMITIVE)
+    planes["instance"], planes["triangle"] = found, -1
+    planes["facing"] = materials["double_sided"] == 0
+    planes["opaque"] = materials["alpha_mode"] == tables_layouts.OPAQUE
+    return planes
+
+
 def _primitives(tables: SceneTables) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]]:
     """Triangles and spheres in the world: (n,) PRIMITIVE, (n, 9) vertices, (n, 6) bounds; those that are no numbers are left out."""
     instances = tables.instances
-    counts = np.where(instances["kind"] == SPHERE, 1, tables.meshes["n_triangles"][instances["mesh"]] if len(instances) else 0)
-    counts = np.where(instances["kind"] == PLANE, 0, counts)
+    counts = np.zeros(len(instances), dtype=np.int64)
+    solid = np.isin(instances["kind"], (MESH, BOX))  # the others may have a tessellation, or none
+    counts[solid] = tables.meshes["n_triangles"][instances["mesh"][solid]]
+    counts[instances["kind"] == SPHERE] = 1
     places = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     n = int(places[-1])
     primitives, corners = np.zeros(n, dtype=PRIMITIVE), np.zeros((n, 9), dtype=np.float32)

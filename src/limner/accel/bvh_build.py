@@ -32,7 +32,7 @@ def gather_primitives(
         if instance["kind"] == SPHERE:
             place = places[k]
             primitives[place]["instance"], primitives[place]["triangle"] = k, -1
-            primitives[place]["facing"] = 0
+            primitives[place]["facing"] = 0 if materials[instance["material"]]["double_sided"] != 0 else 1
             primitives[place]["opaque"] = 1 if materials[instance["material"]]["alpha_mode"] == OPAQUE else 0
             r = instance["size"][0]
             for axis in range(3):

@@ -25,8 +25,9 @@ NODE = np.dtype(
 PRIMITIVE = np.dtype(
     [
         ("instance", i32),
-        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere
-        ("facing", i32),  # 0: both sides are seen; 1, -1: only the side from which it winds counter-clockwise, clockwise
+        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere or plane
+        ("facing", i32),  # 0: both sides are seen; 1, -1: only the side from which it winds counter-clockwise, clockwise;
+        # of a sphere or plane, 1: only the outside
         ("opaque", i32),  # 0: masked or blended
     ],
     align=True,
@@ -47,15 +48,15 @@ class Accelerator(NamedTuple):
         In the order of the leaves.
     corners : (m, 9) float32
         The vertices of the triangles among them.
-    planes : (k,) int32
-        Instances without bounds, tried by every ray.
+    planes : (k,) PRIMITIVE
+        What has no bounds, tried by every ray.
     """
 
     nodes: NDArray[np.void]
     primitives: NDArray[np.void]
     corners: NDArray[np.float32]
-    planes: NDArray[np.int32]
+    planes: NDArray[np.void]
 
 
-ACCELERATOR_ARRAYS = (Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1))
+ACCELERATOR_ARRAYS = (Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(PRIMITIVE, 1))
 """The door arguments that an Accelerator unpacks to."""

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..intersect.box import enter_box
+from ..intersect.box import enter_box, moved_on
 from ..intersect.triangle import intersect_triangle, turned_ray
 from ..kernel.vec import ONE, ZERO, Vec3
-from ..shading.analytic import hit_analytic
+from ..shading.analytic import hit_analytic, meets_outside
 
-__all__ = ["Hit", "nearest", "occluded"]
+__all__ = ["Hit", "first_hit", "nearest", "occluded"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -46,7 +46,7 @@ def _nearest_of(instances, primitives, corners, first: int, last: int, ray, o: V
             continue
         if p["triangle"] < 0:
             t = hit_analytic(instances[p["instance"]], o, d, t_min, best.t)
-            if t < best.t:
+            if t < best.t and (both_sides or p["facing"] == 0 or meets_outside(instances[p["instance"]], o, d, t)):
                 best = Hit(t, np.int64(p["instance"]), -1, ZERO, ZERO)
         else:
             h = intersect_triangle(ray, corners, k, t_min, best.t)
@@ -66,10 +66,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
     ray = turned_ray(o, d)
     inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
     best = _miss(t_max)
-    for k in range(planes.shape[0]):
-        t = hit_analytic(instances[planes[k]], o, d, t_min, best.t)
-        if t < best.t:
-            best = Hit(t, np.int64(planes[k]), -1, ZERO, ZERO)
+    best = _nearest_of(instances, planes, corners, 0, planes.shape[0], ray, o, d, t_min, best, both_sides, opaque_only)
     if any_hit and best.instance >= 0:
         return best
     if nodes.shape[0] == 0:
@@ -94,7 +91,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
                     return best
             else:
                 following = np.int64(child)
-        if far_t < _INFINITY and far_t <= best.t:
+        if far_t < _INFINITY and far_t <= moved_on(best.t):
             child, count = node["child"][far], node["count"][far]
             if child < 0:
                 best = _nearest_of(
@@ -119,6 +116,13 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
 def nearest(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> Hit:
     """The nearest hit in (t_min, t_max); single-sided triangles are met from their front only. t is infinite for a miss."""
     hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, False, False)
+    return hit if hit.instance >= 0 else _miss(_INFINITY)
+
+
+@kernel
+def first_hit(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool, stack) -> Hit:
+    """The nearest hit in (t_min, t_max); `both_sides`: single-sided triangles are met from behind as well. t is infinite for a miss."""
+    hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
     return hit if hit.instance >= 0 else _miss(_INFINITY)
 
 

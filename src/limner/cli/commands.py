@@ -14,9 +14,10 @@ from .values import BACKGROUND, TRIPLE, WORDS, Background, Triple
 __all__ = ["limner"]
 
 MAX_SIDE = 32768
-MAX_PIXELS = 1 << 28
-MAX_SAMPLES = 1 << 16
+MAX_PIXELS = 1 << 26
+MAX_SAMPLES = 1 << 20
 MAX_SEED = (1 << 31) - 1
+MAX_VIEWS = 1_000_000
 
 _SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
@@ -53,18 +54,21 @@ def limner() -> None:
 @limner.command(short_help="Make a picture of a model.")
 @click.argument("model")
 @click.option("-o", "--output", required=True, metavar="OUT", help="The picture file; - is standard output.")
-@click.option("--renderer", type=click.Choice(["raster", "ray"]), default="raster", show_default=True, help="How to see.")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
 @click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
 @click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
 @click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
-@click.option("--camera", metavar="NAME|INDEX", help="A camera of the model, by name or number from 0.")
+@click.option("--max-depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="How often light is reflected at most.")
+@click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
 @click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
 @click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
 @click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
 @click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
 @click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
-@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
+@click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--transparent", is_flag=True, help="The same as --background transparent.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")
@@ -101,6 +105,48 @@ def info(talk: Talk, model: str, as_json: bool) -> None:
     from .info import tell
 
     tell(model, as_json, talk)
+
+
+@limner.command(short_help="Make a data set: a model from all around, with depth, normals, masks, cameras.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="FOLDER", help="Is made where it is not there.")
+@click.option("--views", type=click.IntRange(1, MAX_VIEWS), default=36, show_default=True, help="In equal steps of a full turn.")
+@click.option("--elevation", type=click.FloatRange(-90.0, 90.0), default=20.0, show_default=True, help="Above the horizon, degrees.")
+@click.option("--azimuth", type=float, default=0.0, show_default=True, help="Of the first view, from +z to +x, degrees.")
+@click.option("--yfov", type=float, default=40.0, show_default=True, help="The full vertical field of view, degrees.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=640, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=480, show_default=True, help="Rows.")
+@click.option("--renderer", type=click.Choice(["raster", "ray"]), default="raster", show_default=True, help="How to see.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option("--aov", "aovs", type=WORDS, default="depth,normal,instance_id", show_default=True, help="To keep as arrays (.npz).")
+@click.option("--masks", type=click.Choice(["instance", "material"]), help="Write PNGs of 16 bits: 0 for nothing, else 1 + id.")
+@click.option(
+    "--annotations", type=click.Choice(["instance", "material", "none"]), default="instance", show_default=True,
+    help="Categories of annotations.json (COCO).",
+)  # fmt: skip
+@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--resume", is_flag=True, help="Go on with what is in the folder.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell about the data set as JSON on standard output.")
+@_voice
+@click.pass_obj
+def dataset(talk: Talk, /, **options: Any) -> None:
+    """Make a data set of MODEL: pictures from all around, arrays, masks, and the cameras in OpenCV's and OpenGL's words.
+
+    \b
+        limner dataset model.glb -o views --views 72 --elevation 30
+        limner dataset model.glb -o views --aov depth,position --masks material --background white
+
+    Ctrl-C stops early; what is finished is a data set, and --resume goes on with it.
+    """
+    from .dataset import Order, make_dataset
+
+    order = Order(**options)
+    _check_size(order.width, order.height)
+    if not 0.0 < order.yfov < 180.0:
+        raise click.UsageError(f"--yfov must lie between 0 and 180 degrees, got {order.yfov:g}")
+    make_dataset(order, talk)
 
 
 @limner.command(short_help="Compile everything now instead of at the first picture.")

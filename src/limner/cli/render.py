@@ -34,12 +34,15 @@ class Order:
     height: int
     samples: int | None
     seed: int
+    max_depth: int
     camera: str | None
     eye: Triple | None
     target: Triple | None
     up: Triple | None
     yfov: float | None
     aovs: tuple[str, ...]
+    environment: str | None
+    ground: bool
     background: Background | None
     threads: int | None
     as_json: bool
@@ -50,9 +53,15 @@ def make_picture(order: Order, talk: Talk) -> None:
     _check_output(order)
     started = time.perf_counter()
     scene = open_model(order.model)
+    if order.environment is not None:
+        from ..scene.environment import Environment
+
+        scene = scene.replace(environment=Environment(order.environment))
     if order.background is not None:
         scene = scene.replace(background=None if order.background == "transparent" else order.background)
     camera = chosen_camera(order, scene)
+    if order.ground:
+        scene = scene.with_ground()
     talk.note(scene.notes)
     loaded = time.perf_counter()
 
@@ -66,6 +75,7 @@ def make_picture(order: Order, talk: Talk) -> None:
             renderer=order.renderer,
             samples=order.samples,
             seed=order.seed,
+            max_depth=order.max_depth,
             camera=camera,
             threads=order.threads,
             aovs=order.aovs,
@@ -95,6 +105,10 @@ def chosen_camera(order: Order, scene: Scene) -> Camera | None:
         return PerspectiveCamera.look_at(order.eye, target, order.up or (0.0, 1.0, 0.0), **fields)
     if order.camera is None:
         return None
+    if order.camera == "frame":
+        from ..scene.framing import extent_points, framing_camera
+
+        return framing_camera(extent_points(scene), order.width / order.height)
     cameras = scene.cameras()
     named = [camera for camera in cameras if camera.name == order.camera]
     if named:

@@ -36,7 +36,7 @@ class _BackgroundType(click.ParamType[Background]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Background:
         word = str(value).strip().lower()
-        if word == "transparent":
+        if word in ("transparent", "environment"):
             return word
         if word in _NAMED:
             return _NAMED[word]
@@ -50,7 +50,7 @@ class _BackgroundType(click.ParamType[Background]):
         except ValueError:
             numbers = ()
         if len(numbers) != 3 or not all(math.isfinite(number) and number >= 0.0 for number in numbers):
-            expected = "transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light, not negative)"
+            expected = "environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light, not negative)"
             self.fail(f"expected {expected}, got {value!r}", param, ctx)
         return numbers
 

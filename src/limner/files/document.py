@@ -185,9 +185,7 @@ class Element:
             raise found.error(f"must be true or false, got {quoted(found.value)}")
         return found.value
 
-    def get_numbers(
-        self, key: str, default: tuple[float, ...], least: float = -math.inf, most: float = math.inf
-    ) -> tuple[float, ...]:
+    def get_numbers(self, key: str, default: tuple[float, ...], least: float = -math.inf, most: float = math.inf) -> tuple[float, ...]:
         """The array `key` of as many numbers as `default` has, or `default`."""
         found = self.get(key)
         if found is None:

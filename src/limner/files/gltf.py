@@ -310,9 +310,7 @@ class _Reader:
             if attributes is None:
                 return None
             columns = {"TRANSLATION": "VEC3", "ROTATION": "VEC4", "SCALE": "VEC3"}
-            read = {
-                key: self._accessors.floats(attributes.child(key), kind) for key, kind in columns.items() if attributes.has(key)
-            }
+            read = {key: self._accessors.floats(attributes.child(key), kind) for key, kind in columns.items() if attributes.has(key)}
             counts = {len(values) for values in read.values()}
             if len(counts) != 1:
                 raise attributes.error(f"must be of one length, got {sorted(counts)}")

@@ -191,9 +191,7 @@ class Materials:
             given_offset = transform.get_numbers("offset", (0.0, 0.0))
             given_scale = transform.get_numbers("scale", (1.0, 1.0))
             rotation = transform.get_number("rotation", 0.0)
-            offset, rotation, scale = turned_transform(
-                (given_offset[0], given_offset[1]), rotation, (given_scale[0], given_scale[1])
-            )
+            offset, rotation, scale = turned_transform((given_offset[0], given_offset[1]), rotation, (given_scale[0], given_scale[1]))
         if uv_set > 1:
             raise information.error(f"only TEXCOORD_0 and TEXCOORD_1 are read, got {uv_set}", "texCoord")
         image = self._image_of(information)
@@ -203,9 +201,7 @@ class Materials:
         except PictureError as error:
             raise image.error(str(error)) from None
         wrap_u, wrap_v, filtering = self._sampler_of(information)
-        return Texture(
-            texels, wrap_u=wrap_u, wrap_v=wrap_v, filter=filtering, uv_set=uv_set, offset=offset, scale=scale, rotation=rotation
-        )
+        return Texture(texels, wrap_u=wrap_u, wrap_v=wrap_v, filter=filtering, uv_set=uv_set, offset=offset, scale=scale, rotation=rotation)
 
     def _texture_of(self, information: Element) -> Element:
         return self._textures[information.child("index").index(len(self._textures))]

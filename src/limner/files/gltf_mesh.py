@@ -271,9 +271,7 @@ def _repair_normals(normals: Floats, positions: Floats, triangles: Indices, wher
 def _vertex_normals(positions: Floats, triangles: Indices) -> Floats:
     corners = positions[triangles].astype(np.float64)
     doubled_areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.stack(
-        [np.bincount(triangles.reshape(-1), np.repeat(doubled_areas[:, axis], 3), len(positions)) for axis in range(3)], axis=1
-    )
+    sums = np.stack([np.bincount(triangles.reshape(-1), np.repeat(doubled_areas[:, axis], 3), len(positions)) for axis in range(3)], axis=1)
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     upright = np.array([0.0, 1.0, 0.0])
     return np.where(length > 0.0, sums / np.where(length > 0.0, length, 1.0), upright).astype(np.float32)

@@ -28,15 +28,13 @@ from .notes import Notes, quoted
 from .obj import CREASE_DEGREES
 from .triangles import count_degenerate, finite_rows
 
-__all__ = ["read", "scene_from_arrays", "scene_from_trimesh"]
+__all__ = ["as_scene", "read", "scene_from_arrays", "scene_from_trimesh"]
 
 # What trimesh itself needs for a format, beyond NumPy.
 _NEEDS = {"dae": "pycollada", "3mf": "networkx lxml"}
 
 
-def read(
-    data: bytes, path: str | os.PathLike[str], kind: str, *, limits: Limits = DEFAULT, notes: Notes | None = None
-) -> Scene:
+def read(data: bytes, path: str | os.PathLike[str], kind: str, *, limits: Limits = DEFAULT, notes: Notes | None = None) -> Scene:
     """Read the bytes of a .ply, .stl, .off, .3mf or .dae file with trimesh.
 
     Parameters
@@ -86,6 +84,49 @@ def _import_trimesh(purpose: str) -> Any:
     return trimesh
 
 
+def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
+    """Make a scene of what people hold.
+
+    Parameters
+    ----------
+    thing : Scene | Node | Shape | Mesh | path | trimesh | (vertices, triangles) | object
+        A path is loaded, unless it is the name of a built-in scene ("teapot", "cornell"); an object of some other library needs
+        `vertices`, and `faces` or `triangles`.
+    limits : Limits
+
+    Raises SceneError where it is none of these; and what reading a file raises.
+
+    >>> as_scene(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])).shapes()[0][1].geometry
+    Mesh('mesh', 3 positions, 1 triangles)
+    """
+    if isinstance(thing, Scene):
+        return thing
+    if isinstance(thing, (str, os.PathLike)):
+        return _opened(thing, limits)
+    if isinstance(thing, Node):
+        return Scene(thing, name=thing.name)
+    if isinstance(thing, (Shape, Mesh)):
+        return Scene(Node(shapes=(thing if isinstance(thing, Shape) else Shape(thing, (Lambert(),)),)))
+    if isinstance(thing, (tuple, list)) and len(thing) == 2:
+        return scene_from_arrays(*thing)
+    if (hasattr(thing, "graph") and hasattr(thing, "geometry")) or (hasattr(thing, "faces") and hasattr(thing, "visual")):
+        return scene_from_trimesh(thing, limits=limits)
+    triangles = getattr(thing, "faces", getattr(thing, "triangles", None))
+    if hasattr(thing, "vertices") and triangles is not None and not callable(triangles):
+        return scene_from_arrays(thing.vertices, triangles)
+    raise SceneError(
+        "scene must be a Scene, the path of a model, the name of a built-in, a trimesh mesh or scene, (vertices, triangles), or have "
+        f"vertices and faces, got {type(thing).__name__}"
+    )
+
+
+def _opened(path: str | os.PathLike[str], limits: Limits) -> Scene:
+    from ..scene.library import BUILTINS, builtin
+    from .load import load
+
+    return builtin(str(path)) if str(path) in BUILTINS else load(path, limits=limits)
+
+
 def scene_from_arrays(vertices: ArrayLike, triangles: ArrayLike, material: Material | None = None) -> Scene:
     """Make a scene of bare triangles.
 
@@ -106,7 +147,11 @@ def scene_from_arrays(vertices: ArrayLike, triangles: ArrayLike, material: Mater
     >>> scene_from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).shapes()[0][1].geometry
     Mesh('mesh', 3 positions, 1 triangles)
     """
-    mesh = _with_normals(Mesh(np.array(vertices, dtype=np.float32), np.asarray(triangles), name="mesh"))
+    try:
+        positions, indices = np.array(vertices, dtype=np.float32), np.asarray(triangles)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"vertices and triangles must be arrays of numbers: {error}") from None
+    mesh = _with_normals(Mesh(positions, indices, name="mesh"))
     return Scene(Node(name="mesh", shapes=(Shape(mesh, (material or Lambert(),)),)), name="mesh")
 
 
@@ -183,9 +228,7 @@ def _shape(geometry: Any, name: str, limits: Limits, notes: Notes) -> Shape | No
     return _assemble(geometry, positions, triangles, kept, name)
 
 
-def _assemble(
-    geometry: Any, positions: NDArray[np.float32], triangles: NDArray[Any], kept: NDArray[np.bool_], name: str
-) -> Shape:
+def _assemble(geometry: Any, positions: NDArray[np.float32], triangles: NDArray[Any], kept: NDArray[np.bool_], name: str) -> Shape:
     visual = geometry.visual
     kind = getattr(visual, "kind", None)
     colors = uvs = None

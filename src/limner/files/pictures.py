@@ -68,10 +68,9 @@ def _open(data: bytes | memoryview, limits: Limits) -> Image:
         ktx = "; KTX2 textures are not supported" if bytes(data[1:4]) == b"KTX" else ""
         raise PictureError(f"is neither PNG, JPEG, WebP, AVIF, GIF, BMP, TGA nor TIFF{ktx}")
     try:
-        importlib.import_module(f"PIL.{_PLUGINS[name]}ImagePlugin")
-        from PIL import Image
-
-        picture = Image.open(io.BytesIO(data), formats=(name,))
+        # Not Image.open: it imports the decoders of five formats, and has limits of its own.
+        plugin = importlib.import_module(f"PIL.{_PLUGINS[name]}ImagePlugin")
+        picture: Image = getattr(plugin, f"{_PLUGINS[name]}ImageFile")(io.BytesIO(data))
     except Exception as error:  # a decoder on a foreign file may raise anything
         raise PictureError(f"is no readable {name} picture: {_reason(error)}") from None
     width, height = picture.size
@@ -84,7 +83,9 @@ def _decode(picture: Image) -> NDArray[np.uint8]:
     try:
         if picture.mode.startswith(("I", "F")):
             return _from_deep(picture)
-        return np.ascontiguousarray(np.asarray(picture if picture.mode == "RGBA" else picture.convert("RGBA"))[::-1])
+        colored = picture if picture.mode == "RGBA" else picture.convert("RGBA")
+        # The last argument is the step from row to row: -1 turns the picture over while it is copied.
+        return np.frombuffer(colored.tobytes("raw", "RGBA", 0, -1), dtype=np.uint8).reshape(picture.height, picture.width, 4)
     except Exception as error:  # as above
         raise PictureError(f"is no readable {picture.format} picture: {_reason(error)}") from None
 

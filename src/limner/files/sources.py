@@ -64,9 +64,7 @@ class Sources:
         if not place or "\0" in place or any("\ud800" <= character <= "\udfff" for character in place):
             raise FileFormatError(f"must name a file, got {quoted(reference)}", self.path, position)
         if _SCHEME.match(place):
-            raise FileFormatError(
-                f"only files beside the model and data: URIs are read, got {quoted(reference)}", self.path, position
-            )
+            raise FileFormatError(f"only files beside the model and data: URIs are read, got {quoted(reference)}", self.path, position)
         depth = 0
         for part in place.split("/"):
             depth += {"..": -1, ".": 0, "": 0}.get(part, 1)

@@ -21,9 +21,10 @@ from numpy.typing import DTypeLike, NDArray
 from ..color.transfer import bytes_from_linear, bytes_from_unit
 from ..errors import SceneError, UnsupportedError
 
-__all__ = ["VIEWS", "Image"]
+__all__ = ["DEPTHS", "VIEWS", "Image"]
 
 VIEWS = ("standard",)
+DEPTHS = ("blender", "open3d", "pyrender", "pyvista")
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +100,34 @@ class Image:
         encoded = bytes_from_linear(self.pixels)
         encoded[..., 3] = bytes_from_unit(self.pixels[..., 3])
         return encoded
+
+    def depth_as(self, convention: str) -> NDArray[np.float32]:
+        """The channel `depth` as another renderer would have handed it over.
+
+        Parameters
+        ----------
+        convention : "pyrender" | "open3d" | "blender" | "pyvista"
+            All measure along the gaze, in the scene's units. Where nothing is seen, pyrender has 0, Open3D (with
+            ``z_in_view_space``) infinity, Blender's Z pass 1e10; PyVista has NaN, and negative depths.
+
+        Returns
+        -------
+        (height, width) float32
+
+        >>> image = Image(np.zeros((1, 2, 4), dtype=np.float32), aov={"depth": np.array([[2.0, np.inf]], dtype=np.float32)})
+        >>> {name: image.depth_as(name).tolist()[0] for name in ("pyrender", "open3d", "blender", "pyvista")}
+        {'pyrender': [2.0, 0.0], 'open3d': [2.0, inf], 'blender': [2.0, 10000000000.0], 'pyvista': [-2.0, nan]}
+
+        **Source**: pyrender's `Renderer` (what is at the far plane becomes 0); Open3D, `OffscreenRenderer.render_to_depth_image`;
+        PyVista, `Plotter.get_image_depth`.
+        """
+        if convention not in DEPTHS:
+            raise UnsupportedError(f"the convention for depth must be one of {', '.join(DEPTHS)}, got {convention!r}")
+        if "depth" not in self.aov:
+            raise SceneError('depth_as needs the channel "depth": render with aovs=("depth",)')
+        depth = self.aov["depth"]
+        sign, nothing = {"blender": (1, 1e10), "open3d": (1, np.inf), "pyrender": (1, 0.0), "pyvista": (-1, np.nan)}[convention]
+        return np.where(np.isfinite(depth), sign * depth, nothing).astype(np.float32)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the picture to a file; the extension says as what, "-" is a PNG on standard output.

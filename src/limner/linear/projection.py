@@ -17,22 +17,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
+from .project import Lens
 
 __all__ = [
-    "camera_from_world", "clip_from_camera", "clip_from_camera_orthographic", "clip_from_camera_perspective", "orthographic",
-    "perspective",
+    "camera_from_world", "clip_from_camera", "clip_from_camera_orthographic", "clip_from_camera_perspective", "off_centre",
+    "orthographic", "perspective",
 ]  # fmt: skip
 
 Matrix = NDArray[np.float64]
 
 
 class PlacedCamera(Protocol):
-    """What a camera must tell: where it stands, and the shape of its picture if it insists on one."""
+    """What a camera must tell: where it stands, the shape of its picture if it insists on one, and what its lens shows."""
 
     @property
     def world_from_camera(self) -> Matrix: ...
     @property
     def aspect(self) -> float | None: ...
+    def lens(self) -> Lens: ...
 
 
 @runtime_checkable
@@ -168,6 +170,29 @@ def _check_view(half_height: float, aspect: float) -> None:
         raise SceneError(f"a view must have a positive finite height and aspect, got {half_height} and {aspect}")
 
 
+def off_centre(clip_from_camera: Matrix, shift_x: float, shift_y: float) -> Matrix:
+    """Move the window over the picture plane: what stood at (shift_x, shift_y) of the canonical square comes to its middle.
+
+    Parameters
+    ----------
+    clip_from_camera : (4, 4) float64
+        A projection with a window around the gaze.
+    shift_x, shift_y : float
+        In half widths and half heights of the window.
+
+    Returns
+    -------
+    (4, 4) float64
+        The book's projections for l = (shift_x - 1) r_0, r = (shift_x + 1) r_0 and so on, r_0 being half the centred window.
+
+    **Source**: FoCG 7.1.2, 7.3, whose windows may lie anywhere.
+    """
+    moved = clip_from_camera.copy()
+    moved[0] -= shift_x * clip_from_camera[3]
+    moved[1] -= shift_y * clip_from_camera[3]
+    return moved
+
+
 def clip_from_camera(camera: PlacedCamera, width: int, height: int, near: float, far: float) -> Matrix:
     """Project as a camera of the scene does.
 
@@ -188,10 +213,10 @@ def clip_from_camera(camera: PlacedCamera, width: int, height: int, near: float,
     """
     if width < 1 or height < 1:
         raise SceneError(f"a picture must be at least 1 pixel wide and high, got {width} x {height}")
-    aspect = width / height if camera.aspect is None else camera.aspect
-    if isinstance(camera, PinholeCamera):
-        return clip_from_camera_perspective(camera.half_height(), aspect, near, far)
-    return clip_from_camera_orthographic(camera.height / 2.0, aspect, near, far)  # type: ignore[attr-defined]
+    half_height, pixel_aspect, shift_x, shift_y = camera.lens()
+    aspect = width / height * pixel_aspect if camera.aspect is None else camera.aspect
+    project = clip_from_camera_perspective if isinstance(camera, PinholeCamera) else clip_from_camera_orthographic
+    return off_centre(project(half_height, aspect, near, far), shift_x, shift_y)
 
 
 def camera_from_world(camera: PlacedCamera | ArrayLike) -> Matrix:

@@ -2,13 +2,14 @@
 
     vertices ──► clip, snap, cull ──► bins ──► per tile: fill with depth ──► fragments ──► resolve
 
-`draw` below is this line. Every stage runs on all threads over ranges of its input; results stand in the order of the input, so the
+`_geometry` and `prepare` below are this line. Every stage runs on all threads over ranges of its input; results stand in the order of the input, so the
 picture does not depend on how many there are.
 """
 
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +18,12 @@ from numpy.typing import NDArray
 from .._door import Array, Door, Scalar
 from ..tables import layouts
 from ..tables.build import View
-from ..tables.layouts import SCENE_ARRAYS, SceneTables
+from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
+from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
 from .layouts import MAX_CLIPPED, SCREEN_TRIANGLE
 
-__all__ = ["TILE_SIZE", "draw", "draw_channels"]
+__all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
 
 TILE_SIZE = 64
 _CHUNK = 8192  # vertices or triangles that make a job worth a call
@@ -66,7 +68,7 @@ _DRAW = Door(
     "limner.raster.tile",
     "draw_tile",
     (
-        *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
+        *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
         Array(np.int32, 1), Array(np.int64, 1), _I64, Array(np.int32, 2), Array(np.float32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
         Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
@@ -114,24 +116,47 @@ def draw(
     on_progress: OnProgress | None = None,
     cancel: Cancel | None = None,
 ) -> None:
-    """Draw a scene and add it to the film.
+    """Draw all samples of a scene without a sky; see `prepare`. Raises Cancelled; the film then holds the tiles that are done."""
+    work = prepare(tables, lighting_of(tables, None), view, sample_places, background, film, threads=threads, tile_size=tile_size)
+    tiles = tiles_of(film.shape[1], film.shape[0], tile_size)
+    run_all(lambda tile: work(tile, 0, len(sample_places)), tiles, threads, on_progress, cancel)
+
+
+def prepare(
+    tables: SceneTables,
+    lighting: Lighting,
+    view: View,
+    sample_places: NDArray[np.int32],
+    background: NDArray[np.float32],
+    film: NDArray[np.float32],
+    *,
+    threads: int,
+    tile_size: int = TILE_SIZE,
+) -> Callable[[Tile, int, int], None]:
+    """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
 
     Parameters
     ----------
-    tables, view : SceneTables, View
+    tables, lighting, view : SceneTables, Lighting, View
     sample_places : (n, 2) int32
         The samples of every pixel, relative to its centre, on the subpixel grid.
     background : (4,) float32
-        Radiance and alpha of what lies behind everything.
+        Radiance and alpha of what lies behind everything, where no sky does.
     film : (height, width, 4) float32
         Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
-
-    Raises Cancelled; the film then holds the tiles that are done.
     """
-    vertices, bins = _geometry(tables, view, *film.shape[1::-1], tile_size, threads)
-    _draw_tiles(
-        tables, view, vertices, bins, sample_places, background, film, tile_size, threads, on_progress, cancel
-    )  # fmt: skip
+    height, width = film.shape[:2]
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
+    scratch = _Scratch(tile_size * tile_size)
+    has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
+
+    def draw_tile(tile: Tile, first_sample: int, last_sample: int) -> None:
+        _DRAW(
+            *tables, *lighting, view.camera, *vertices, *bins, has_blend, sample_places, background, *scratch.arrays, film, *tile,
+            first_sample, last_sample,
+        )  # fmt: skip
+
+    return draw_tile
 
 
 def draw_channels(
@@ -247,29 +272,3 @@ class _Scratch(threading.local):
 
         layers = np.empty((n, 3), dtype=np.float32)
         self.arrays = (floats(), rows(), floats(), rows(), floats(), rows(), layers, floats())
-
-
-def _draw_tiles(
-    tables: SceneTables,
-    view: View,
-    vertices: Vertices,
-    bins: Bins,
-    sample_places: NDArray[np.int32],
-    background: NDArray[np.float32],
-    film: NDArray[np.float32],
-    tile_size: int,
-    threads: int,
-    on_progress: OnProgress | None,
-    cancel: Cancel | None,
-) -> None:
-    height, width = film.shape[:2]
-    scratch = _Scratch(tile_size * tile_size)
-    has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
-
-    def draw_tile(tile: Tile) -> None:
-        _DRAW(
-            *tables, view.camera, *vertices, *bins, has_blend, sample_places, background, *scratch.arrays, film, *tile,
-            0, len(sample_places),
-        )  # fmt: skip
-
-    run_all(draw_tile, tiles_of(width, height, tile_size), threads, on_progress, cancel)

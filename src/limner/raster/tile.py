@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.vec import BLACK_LIMIT, ONE, ZERO, Color
+from ..kernel.vec import BLACK_LIMIT, ONE, ZERO, Color, normalize
+from ..shading.analytic import view_ray
+from ..shading.sky import sky_radiance
 from ..tables.layouts import PERSPECTIVE
 from .fill import fill_opaque, fill_transparent
 from .fragment import shade_fragment
@@ -34,13 +36,13 @@ def _sample_point(p: int, window, ox: int, oy: int):
 
 
 @kernel
-def _blend_layer(screen, window, ox, oy, n, camera, scene, frame, next_depth, next_seen, last_depth, last_seen, layers, transmittance):
+def _blend_layer(screen, window, ox, oy, n, camera, scene, lighting, frame, next_depth, next_seen, last_depth, last_seen, layers, transmittance):
     """Put one layer of transparent fragments behind those already there (front to back), and remember how far it went."""
     for p in range(n):
         if next_seen[p] < 0:
             continue
         x, y = _sample_point(p, window, ox, oy)
-        c, alpha = shade_fragment(screen[next_seen[p]], x, y, camera, scene, frame)
+        c, alpha = shade_fragment(screen[next_seen[p]], x, y, camera, scene, lighting, frame)
         weight = transmittance[p] * alpha
         layers[p, 0] += weight * c.r
         layers[p, 1] += weight * c.g
@@ -52,7 +54,7 @@ def _blend_layer(screen, window, ox, oy, n, camera, scene, frame, next_depth, ne
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    camera_table, vertices, first_vertex, screen, binned, bin_range, has_blend, sample_places, background,
+    header, sky, sky_cumulative, emitters, camera_table, vertices, first_vertex, screen, binned, bin_range, has_blend, sample_places, background,
     depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
@@ -61,6 +63,7 @@ def draw_tile(
     bin_range (tiles + 1): where each tile's triangles stand in `binned`. sample_places (n, 2) int32: on the subpixel grid.
     """
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
+    lighting = (header, sky, sky_cumulative, emitters)
     frame = (vertices, first_vertex)
     camera = camera_table[0]
     window = (first_column, first_row, columns, rows)
@@ -82,15 +85,17 @@ def draw_tile(
                 ):
                     break
                 _blend_layer(
-                    screen, window, ox, oy, n, camera, scene, frame, next_depth, next_seen, last_depth, last_seen, layers,
+                    screen, window, ox, oy, n, camera, scene, lighting, frame, next_depth, next_seen, last_depth, last_seen, layers,
                     transmittance,
                 )  # fmt: skip
         for p in range(n):
             t = transmittance[p]
+            x, y = _sample_point(p, window, ox, oy)
             c, alpha = Color(background[0], background[1], background[2]) * background[3], background[3]
+            if seen[p] < 0 and header[0]["sky_visible"] != 0:
+                c, alpha = sky_radiance(lighting, normalize(view_ray(camera, x, y).d)), ONE
             if seen[p] >= 0 and t > BLACK_LIMIT:
-                x, y = _sample_point(p, window, ox, oy)
-                c, alpha = shade_fragment(screen[seen[p]], x, y, camera, scene, frame)
+                c, alpha = shade_fragment(screen[seen[p]], x, y, camera, scene, lighting, frame)
                 alpha = ONE
             i, j = first_column + p % columns, first_row + p // columns
             film[j, i, 0] += layers[p, 0] + t * c.r

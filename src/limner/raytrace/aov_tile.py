@@ -15,7 +15,7 @@ from .whitted import first_hit_point
 __all__ = ["trace_aov_tile"]
 
 f32 = np.float32
-_PAST = f32(1.0 + 1e-6)
+_STEP = f32(1e-6)
 _MAX_SURFACES = 256
 
 
@@ -41,4 +41,4 @@ def trace_aov_tile(
                 if alpha_at(materials[point.material], point, textures, texels) > ZERO:
                     write_aov(scene, camera, hit.instance, hit.triangle, point, values, ids, i, j)
                     break
-                t_min = hit.t * _PAST
+                t_min = hit.t + abs(hit.t) * _STEP

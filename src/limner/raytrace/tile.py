@@ -16,12 +16,13 @@ _GRID_STEP = f32(1.0 / 256.0)
 @kernel
 def trace_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes, camera_table, raster_from_object, sample_places, background, has_alpha, shadows, max_depth,
+    nodes, primitives, corners, planes, header, sky, sky_cumulative, emitters, camera_table, raster_from_object, sample_places, background, has_alpha, shadows, max_depth,
     pending, stack, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     accelerator = (nodes, primitives, corners, planes)
+    lighting = (header, sky, sky_cumulative, emitters)
     camera = camera_table[0]
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):
@@ -29,8 +30,9 @@ def trace_tile(
                 x = f32(i) + f32(sample_places[s, 0]) * _GRID_STEP
                 y = f32(j) + f32(sample_places[s, 1]) * _GRID_STEP
                 c, alpha = radiance(
-                    scene, accelerator, camera, raster_from_object, background, has_alpha, shadows, max_depth, x, y, pending, stack
-                )
+                    scene, accelerator, lighting, camera, raster_from_object, background, has_alpha, shadows, max_depth, x, y, pending,
+                    stack,
+                )  # fmt: skip
                 film[j, i, 0] += c.r
                 film[j, i, 1] += c.g
                 film[j, i, 2] += c.b

@@ -207,7 +207,7 @@ def default_lights(camera: Camera, bounds: ArrayLike) -> tuple[tuple[Light, Matr
     return tuple(lights)
 
 
-def with_defaults(scene: Scene, aspect: float) -> tuple[Scene, tuple[str, ...]]:
+def with_defaults(scene: Scene, aspect: float, *, lights: bool = True) -> tuple[Scene, tuple[str, ...]]:
     """Give a scene the camera and the lights that it lacks.
 
     Parameters
@@ -215,6 +215,8 @@ def with_defaults(scene: Scene, aspect: float) -> tuple[Scene, tuple[str, ...]]:
     scene : Scene
     aspect : float > 0
         Width / height of the picture.
+    lights : bool
+        Whether light is added where there is none.
 
     Returns
     -------
@@ -233,7 +235,7 @@ def with_defaults(scene: Scene, aspect: float) -> tuple[Scene, tuple[str, ...]]:
         eye = ", ".join(f"{x:.4g}" for x in camera.world_from_camera[:3, 3])
         messages.append(f"the scene has no camera: added one that frames everything, from ({eye})")
     root = scene.root
-    if not scene.lights():
+    if lights and not scene.lights() and getattr(scene, "environment", None) is None:
         root = _with_lights(root, default_lights(camera, scene.bounds()))
         messages.append("the scene has no light: added a key, a fill and an ambient light")
     if not messages and camera is scene.camera:

@@ -7,13 +7,13 @@ A surface receives irradiance E; the book's intensity I is E/pi, so that its for
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from ..errors import SceneError
 from ._values import Triple, finite, triple, unit_interval
 from .texture import Texture
 
-__all__ = ["AlphaMode", "BlinnPhong", "Lambert", "Material", "MetallicRoughness"]
+__all__ = ["AlphaMode", "BlinnPhong", "Lambert", "Material", "MetallicRoughness", "ShadowCatcher"]
 
 AlphaMode = Literal["opaque", "mask", "blend"]
 
@@ -21,6 +21,9 @@ AlphaMode = Literal["opaque", "mask", "blend"]
 def _check_surface(material: Material) -> None:
     if material.alpha_mode not in ("opaque", "mask", "blend"):
         raise SceneError(f'material.alpha_mode must be "opaque", "mask" or "blend", got {material.alpha_mode!r}', material.name)
+    for field, value in vars(material).items():
+        if field.endswith("texture") and not isinstance(value, (Texture, type(None))):
+            raise SceneError(f"material.{field} must be a Texture, got {type(value).__name__}", material.name)
     _put_number(material, "alpha", 0.0, 1.0)
     _put_number(material, "alpha_cutoff", 0.0, 1e30)
 
@@ -158,4 +161,21 @@ class MetallicRoughness:
         _check_surface(self)
 
 
-Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness
+@dataclass(frozen=True)
+class ShadowCatcher:
+    """A surface of which only the shadows on it are seen: black, as opaque as they are dark.
+
+    For a ground under a model on a transparent background. `raster`, which has no shadows, leaves it out.
+    """
+
+    name: str = ""
+
+    color: ClassVar[Triple] = (1.0, 1.0, 1.0)
+    emission: ClassVar[Triple] = (0.0, 0.0, 0.0)
+    alpha: ClassVar[float] = 0.0
+    alpha_mode: ClassVar[AlphaMode] = "blend"
+    alpha_cutoff: ClassVar[float] = 0.5
+    double_sided: ClassVar[bool] = True
+
+
+Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness | ShadowCatcher

@@ -58,11 +58,16 @@ class Node:
             given = getattr(self, name)
             object.__setattr__(self, name, tuple(given) if isinstance(given, (tuple, list)) else (given,))
 
-    def walk(self) -> Iterator[Placed]:
-        """Yield this node and all below it, parents first, each with its path and its place; without recursion."""
+    def walk(self, hidden: bool = True) -> Iterator[Placed]:
+        """Yield this node and all below it, parents first, each with its path and its place; without recursion.
+
+        `hidden` False leaves out the nodes that are not visible, and what is below them.
+        """
         stack = [(self, self.name or "world", np.eye(4), 0)]
         while stack:
             node, path, world_from_parent, depth = stack.pop()
+            if not (hidden or node.visible):
+                continue
             if depth > MAX_DEPTH:
                 raise SceneError(f"the scene graph must not be deeper than {MAX_DEPTH} nodes", path[:80] + "…")
             world_from_object = world_from_parent @ node.parent_from_node

@@ -5,17 +5,20 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import LimnerError, SceneError
 from ..mesh.mesh import Mesh
 from ._values import Triple, triple
 from .camera import Camera
+from .environment import Environment
 from .light import Light
+from .material import Material, ShadowCatcher
 from .node import Node, Placed
-from .shape import Box, Shape, Sphere
+from .shape import Box, Plane, Shape, Sphere
 
 __all__ = ["Scene"]
 
@@ -29,23 +32,33 @@ class Scene:
     root : Node
     camera : Camera, optional
         World space; None: the first camera of the graph, or one that frames everything.
-    background : three floats >= 0, or None
-        Radiance behind everything; None: transparent.
+    background : three floats >= 0, "environment", or None
+        Radiance behind everything; the environment itself; None: transparent.
     name : str
     notes : tuple of str
         What a reader approximated, ignored or repaired.
+    environment : Environment, optional
+        Light from all around.
 
     A change is a copy: ``scene.replace(camera=...)``.
     """
 
     root: Node = field(default_factory=Node)
     camera: Camera | None = None
-    background: Triple | None = None
+    background: Triple | Literal["environment"] | None = None
     name: str = ""
     notes: tuple[str, ...] = ()
+    environment: Environment | None = None
 
     def __post_init__(self) -> None:
-        if self.background is not None:
+        if self.environment is not None and not isinstance(self.environment, Environment):
+            raise SceneError(f"scene.environment must be an Environment, got {type(self.environment).__name__}")
+        if isinstance(self.background, str):
+            if self.background != "environment":
+                raise SceneError(f'scene.background must be three numbers, "environment" or None, got {self.background!r}')
+            if self.environment is None:
+                raise SceneError('scene.background is "environment", but scene.environment is None')
+        elif self.background is not None:
             object.__setattr__(self, "background", triple(self.background, "scene.background", minimum=0.0))
 
     def replace(self, **changes: Any) -> Scene:
@@ -53,15 +66,8 @@ class Scene:
         return dataclasses.replace(self, **changes)
 
     def walk(self) -> Iterator[Placed]:
-        """Yield the visible nodes, parents first."""
-        hidden: list[str] = []
-        for placed in self.root.walk():
-            if any(placed.path.startswith(path + "/") for path in hidden):
-                continue
-            if not placed.node.visible:
-                hidden.append(placed.path)
-                continue
-            yield placed
+        """The visible nodes, parents first."""
+        return self.root.walk(hidden=False)
 
     def shapes(self) -> list[tuple[Placed, Shape]]:
         """Every visible shape with the node that shows it, in the order of the graph: the order of instance ids."""
@@ -79,6 +85,23 @@ class Scene:
                 matrix = placed.world_from_object @ camera.world_from_camera
                 found.append(dataclasses.replace(camera, world_from_camera=_rigid(matrix)))
         return found
+
+    def with_ground(self, material: Material | None = None) -> Scene:
+        """Put an infinite plane under what is there; of nothing but shadows unless a material is given."""
+        low = self.bounds()[0, 1]
+        place = np.eye(4)
+        place[1, 3] = low if np.isfinite(low) else 0.0
+        ground = Node("ground", place, shapes=(Shape(Plane(), (material or ShadowCatcher("ground"),)),))
+        return self.replace(root=Node(self.root.name, children=(self.root, ground)))
+
+    def _repr_png_(self) -> bytes | None:
+        """A small picture, as notebooks show it; None where there is none to be had."""
+        import limner
+
+        try:
+            return limner.render(self, width=400, height=300)._repr_png_()
+        except LimnerError:
+            return None
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) float64: least and greatest corner of all bounded shapes in the world; (inf, -inf) where there are none."""

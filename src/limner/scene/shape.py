@@ -59,10 +59,15 @@ class Shape:
     materials: tuple[Material, ...] = field(default=(Lambert(),))
 
     def __post_init__(self) -> None:
+        if not isinstance(self.geometry, Geometry):
+            raise SceneError(f"shape.geometry must be a Mesh, Sphere, Plane or Box, got {type(self.geometry).__name__}")
         given = self.materials
         materials = tuple(given) if isinstance(given, (tuple, list)) else (given,)
         if not materials:
             materials = (Lambert(),)
+        for material in materials:
+            if not isinstance(material, Material):
+                raise SceneError(f"shape.materials must be materials, got {type(material).__name__}")
         object.__setattr__(self, "materials", materials)
         slots = getattr(self.geometry, "triangle_materials", None)
         if slots is not None and slots.size and int(slots.max()) >= len(materials):

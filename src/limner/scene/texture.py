@@ -46,6 +46,9 @@ class Texels:
         pixels.flags.writeable = False
         object.__setattr__(self, "pixels", pixels)
 
+    def __repr__(self) -> str:
+        return f"Texels({self.name!r}, {self.pixels.shape[1]} x {self.pixels.shape[0]})"
+
     @classmethod
     def from_top_down(cls, pixels: Any, *, srgb: bool = True, name: str = "") -> Texels:
         """Make texels of a picture as Python holds it: (height, width) or (height, width, 1|2|3|4) uint8, row 0 on top."""
@@ -76,7 +79,7 @@ class Texture:
         Which texture coordinates of the mesh.
     offset, scale : (2,) floats
     rotation : float
-        Radians. The coordinates become ``T(offset) R(rotation) S(scale) (u, v)``, v up.
+        Radians, counter-clockwise with v up: the coordinates become ``T(offset) R(rotation) S(scale) (u, v)``.
     """
 
     texels: Texels

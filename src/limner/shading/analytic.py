@@ -16,9 +16,9 @@ from ..intersect.sphere import intersect_sphere
 from ..kernel.elementary import PI, TWO_PI, acos, atan2, sqrt
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..tables.layouts import PERSPECTIVE, SPHERE
-from .surface import Footprint, SurfacePoint, transform_normal, transform_point, transform_vector
+from .surface import Footprint, SurfacePoint, transform_normal, transform_point, transform_vector, transformed_reach
 
-__all__ = ["ViewRay", "analytic_at", "hit_analytic", "ray_without_view", "view_ray"]
+__all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "ray_without_view", "view_ray"]
 
 f32 = np.float32
 _HALF = f32(0.5)
@@ -65,6 +65,16 @@ def hit_analytic(instance, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float3
     if instance["kind"] == SPHERE:
         return intersect_sphere(o_object, d_object, instance["size"][0], t_min, t_max)
     return intersect_plane(o_object, d_object, t_min, t_max)
+
+
+@kernel
+def meets_outside(instance, o: Vec3, d: Vec3, t: np.float32) -> bool:
+    """Whether a ray meets an instance's sphere or plane at t from the side to which its normals point."""
+    m = instance["object_from_world"]
+    o_object, d_object = transform_point(m, o), transform_vector(m, d)
+    if instance["kind"] == SPHERE:
+        return dot(o_object + d_object * t, d_object) < ZERO
+    return d_object.y < ZERO
 
 
 @kernel
@@ -120,4 +130,5 @@ def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
     return SurfacePoint(
         transform_point(w, p), n, n, transform_vector(w, tangent), sign, u, v, ZERO, ZERO, Color(ONE, ONE, ONE), ONE,
         Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO), np.int64(instance["material"]),
+        transformed_reach(w, abs(p.x), abs(p.y), abs(p.z)),
     )  # fmt: skip

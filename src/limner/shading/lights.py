@@ -12,7 +12,7 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT
 from .bsdf import Bsdf, eval_bsdf
 
-__all__ = ["Illumination", "ambient_radiance", "illuminate", "lit_radiance"]
+__all__ = ["Illumination", "ambient_level", "ambient_radiance", "illuminate", "lit_radiance"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -53,13 +53,19 @@ def illuminate(light, p: Vec3) -> Illumination:
 
 
 @kernel
-def ambient_radiance(lights, bsdf: Bsdf) -> Color:
-    """ka I_a, summed over the ambient lights (FoCG 4.5.3)."""
+def ambient_level(lights) -> Color:
+    """I_a, summed over the ambient lights."""
     total = Color(ZERO, ZERO, ZERO)
     for k in range(lights.shape[0]):
         if lights[k]["kind"] == AMBIENT_LIGHT:
             total = total + Color(lights[k]["intensity"][0], lights[k]["intensity"][1], lights[k]["intensity"][2])
-    return bsdf.ambient * total
+    return total
+
+
+@kernel
+def ambient_radiance(lights, bsdf: Bsdf) -> Color:
+    """ka I_a (FoCG 4.5.3)."""
+    return bsdf.ambient * ambient_level(lights)
 
 
 @kernel

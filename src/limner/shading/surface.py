@@ -18,7 +18,7 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
 
 __all__ = [
     "Barycentrics", "Footprint", "SurfacePoint", "barycentrics_at", "barycentrics_of_hit", "flip_to_front", "surface_at",
-    "to_raster", "transform_normal", "transform_point", "transform_vector",
+    "to_raster", "transform_normal", "transform_point", "transform_vector", "transformed_reach",
 ]  # fmt: skip
 
 f32 = np.float32
@@ -66,6 +66,7 @@ class SurfacePoint(NamedTuple):
     alpha: np.float32
     footprint: Footprint
     material: int
+    reach: np.float32  # the greatest number its position was computed from: rounding errors are measured by it
 
 
 # --- transforms -----------------------------------------------------------------------------------------------------------
@@ -89,6 +90,15 @@ def transform_vector(m, v: Vec3) -> Vec3:
         m[1, 0] * v.x + m[1, 1] * v.y + m[1, 2] * v.z,
         m[2, 0] * v.x + m[2, 1] * v.y + m[2, 2] * v.z,
     )
+
+
+@kernel
+def transformed_reach(m, x: np.float32, y: np.float32, z: np.float32) -> np.float32:
+    """The greatest number that occurs in M p for points with coordinates up to x, y, z."""
+    row0 = abs(m[0, 0]) * x + abs(m[0, 1]) * y + abs(m[0, 2]) * z + abs(m[0, 3])
+    row1 = abs(m[1, 0]) * x + abs(m[1, 1]) * y + abs(m[1, 2]) * z + abs(m[1, 3])
+    row2 = abs(m[2, 0]) * x + abs(m[2, 1]) * y + abs(m[2, 2]) * z + abs(m[2, 3])
+    return max(row0, max(row1, row2))
 
 
 @kernel
@@ -189,6 +199,12 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     o0, o1, o2 = _position(positions, start + i0), _position(positions, start + i1), _position(positions, start + i2)
     m = instance["world_from_object"]
     position = transform_point(m, _mix3(o0, o1, o2, w))
+    reach = transformed_reach(
+        m,
+        max(abs(o0.x), max(abs(o1.x), abs(o2.x))),
+        max(abs(o0.y), max(abs(o1.y), abs(o2.y))),
+        max(abs(o0.z), max(abs(o1.z), abs(o2.z))),
+    )
     a, b = o1 - o0, o2 - o0
     n = transform_normal(instance, Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x))
 
@@ -244,7 +260,7 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     material = np.int64(instance["material"])
     if mesh["slot"] >= 0:
         material = material + slots[mesh["slot"] + triangle]
-    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material)
+    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, reach)
 
 
 @kernel
@@ -265,5 +281,5 @@ def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
     ns = point.ns if dot(point.ns, n) >= ZERO else -point.ns
     return SurfacePoint(
         point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
-        point.footprint, point.material,
+        point.footprint, point.material, point.reach,
     )  # fmt: skip

@@ -14,7 +14,7 @@ __all__ = ["direction_to_eye", "is_analytic", "visible_point"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
-_PAST = f32(1.0 + 1e-5)
+_STEP = f32(1e-5)
 
 
 @kernel
@@ -49,7 +49,7 @@ def visible_point(scene, camera, instance_id: int, triangle: int, v0, v1, v2, x:
         ray = view_ray(camera, x, y)
         t = hit_analytic(instance, ray.o, ray.d, camera["near"], camera["far"])
         if _seen_from_behind(instance, v0, v1, v2, x, y):
-            behind = hit_analytic(instance, ray.o, ray.d, t * _PAST, camera["far"])
+            behind = hit_analytic(instance, ray.o, ray.d, t + abs(t) * _STEP, camera["far"])
             t = behind if behind < _INFINITY else t
         if t == _INFINITY:
             # The ray grazes the silhouette: its closest point to the centre will do.

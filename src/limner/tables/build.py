@@ -15,7 +15,7 @@ from ..mesh import primitives
 from ..mesh.mesh import Mesh
 from ..scene.camera import Camera, PerspectiveCamera
 from ..scene.light import AmbientLight, DirectionalLight, Light, SpotLight
-from ..scene.material import BlinnPhong, Lambert, Material, MetallicRoughness
+from ..scene.material import BlinnPhong, Lambert, Material, MetallicRoughness, ShadowCatcher
 from ..scene.scene import Scene
 from ..scene.shape import Box, Plane, Shape, Sphere
 from ..scene.texture import Texture
@@ -271,7 +271,7 @@ def _tessellation(
         return stand_ins.get(primitives.box, geometry.size)
     if isinstance(geometry, Sphere):
         largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * geometry.radius
-        distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest)
+        distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest, 1e-30)
         radius = largest * pixels_per_unit / (distance if isinstance(camera, PerspectiveCamera) else 1.0)
         return stand_ins.get(primitives.sphere, geometry.radius, _sphere_bands(radius))
     return _plane_around(matrix, eye, bounds, stand_ins)
@@ -283,7 +283,7 @@ def _sphere_bands(radius_in_pixels: float) -> int:
     A camera that moves a little then finds the same sphere again.
     """
     ratio = min(_CHORD_ERROR / max(radius_in_pixels, 1e-9), 1.0)
-    bands = math.pi / (2.0 * math.acos(1.0 - ratio))
+    bands = math.pi / (2.0 * max(math.acos(1.0 - ratio), 1e-3))
     return int(min(max(2 ** math.ceil(math.log2(bands)), 8), 256))
 
 
@@ -324,12 +324,24 @@ def _material_table(materials: list[Material], textures: dict[Texture, int]) -> 
         row["alpha"], row["alpha_cutoff"] = material.alpha, material.alpha_cutoff
         row["alpha_mode"] = _ALPHA_MODES[material.alpha_mode]
         row["double_sided"], row["emission"] = material.double_sided, material.emission
+        row["emission_weight"] = _emission_weight(material)
         row["specular_scale"] = row["normal_scale"] = row["roughness"] = row["exponent"] = 1.0
         for field in layouts.MATERIAL.names or ():
             if field.endswith("_texture"):
                 row[field] = -1
         _FILL[type(material)](row, material, textures)
     return table
+
+
+def _emission_weight(material: Material) -> float:
+    """The luminance of what a material gives off, its texture averaged: how often a path tracer asks it for light."""
+    weight = float(np.dot(material.emission, (0.2126, 0.7152, 0.0722)))
+    texture = material.emissive_texture if isinstance(material, MetallicRoughness) else None
+    if weight > 0.0 and texture is not None:
+        pixels = texture.texels.pixels
+        few = pixels[:: max(1, pixels.shape[0] // 64), :: max(1, pixels.shape[1] // 64), :3] / 255.0
+        weight *= max(float((few**2.2).mean()), 1e-3)
+    return weight
 
 
 def _row(texture: Texture | None, textures: dict[Texture, int]) -> int:
@@ -361,10 +373,15 @@ def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures
     row["emission_texture"] = _row(material.emissive_texture, textures)
 
 
+def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"] = layouts.SHADOW_CATCHER, material.color
+
+
 _FILL: dict[type, Callable[..., None]] = {
     Lambert: _fill_lambert,
     BlinnPhong: _fill_blinn_phong,
     MetallicRoughness: _fill_metallic_roughness,
+    ShadowCatcher: _fill_shadow_catcher,
 }
 
 

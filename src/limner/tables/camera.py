@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..linear.projection import camera_from_world, clip_from_camera_orthographic, clip_from_camera_perspective
+from ..linear.projection import camera_from_world, clip_from_camera_orthographic, clip_from_camera_perspective, off_centre
 from ..linear.viewport import viewport
 from ..scene.camera import Camera, PerspectiveCamera
 from . import layouts
@@ -44,14 +44,15 @@ def camera_record(camera: Camera, width: int, height: int, near: float, far: flo
     frame = np.asarray(camera.world_from_camera, dtype=np.float64)
     u, v, w, e = frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3]
     perspective = isinstance(camera, PerspectiveCamera)
-    half_height = camera.half_height() if isinstance(camera, PerspectiveCamera) else camera.height / 2.0
-    half_width = half_height * width / height
+    half_height, pixel_aspect, shift_x, shift_y = camera.lens()
+    half_width = half_height * width / height * pixel_aspect
     dx, dy = u * (2.0 * half_width / width), v * (2.0 * half_height / height)
     centre = -w if perspective else np.zeros(3)
     made = np.zeros(1, dtype=layouts.CAMERA)
     row = made[0]
     row["position"], row["gaze"] = e, -w / np.linalg.norm(w)
-    row["corner"] = centre - dx * ((width - 1) / 2.0) - dy * ((height - 1) / 2.0)
+    left, below = (width - 1 - shift_x * width) / 2.0, (height - 1 - shift_y * height) / 2.0
+    row["corner"] = centre - dx * left - dy * below
     row["dx"], row["dy"] = dx, dy
     row["near"], row["far"] = near, far
     row["kind"] = layouts.PERSPECTIVE if perspective else layouts.ORTHOGRAPHIC
@@ -61,11 +62,10 @@ def camera_record(camera: Camera, width: int, height: int, near: float, far: flo
 
 def raster_from_world(camera: Camera, width: int, height: int, near: float, far: float) -> NDArray[np.float64]:
     """(4, 4) float64 to (x w, y w, depth, w): the book's viewport times projection times camera, with plain depth in row 2."""
-    aspect = width / height
-    if isinstance(camera, PerspectiveCamera):
-        projection = clip_from_camera_perspective(camera.half_height(), aspect, near, far)
-    else:
-        projection = clip_from_camera_orthographic(camera.height / 2.0, aspect, near, far)
+    half_height, pixel_aspect, shift_x, shift_y = camera.lens()
+    aspect = width / height * pixel_aspect
+    project = clip_from_camera_perspective if isinstance(camera, PerspectiveCamera) else clip_from_camera_orthographic
+    projection = off_centre(project(half_height, aspect, near, far), shift_x, shift_y)
     to_camera = camera_from_world(camera)
     matrix = viewport(width, height) @ projection @ to_camera
     matrix[2] = -to_camera[2]

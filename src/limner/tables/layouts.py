@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._door import Array
 
-__all__ = ["SCENE_ARRAYS", "SceneTables"]
+__all__ = ["LIGHTING_ARRAYS", "SCENE_ARRAYS", "Lighting", "SceneTables"]
 
 f32, i32, i64 = np.float32, np.int32, np.int64
 
@@ -21,7 +21,7 @@ f32, i32, i64 = np.float32, np.int32, np.int64
 MESH, SPHERE, PLANE, BOX = 0, 1, 2, 3
 
 # Kinds of material
-LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS = 0, 1, 2
+LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS, SHADOW_CATCHER = 0, 1, 2, 3
 
 # Kinds of light
 POINT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT, AMBIENT_LIGHT = 0, 1, 2, 3
@@ -98,6 +98,7 @@ MATERIAL = np.dtype(
         ("ambient", f32, 3),  # ka; negative: the diffuse coefficient
         ("mirror", f32, 3),
         ("emission", f32, 3),
+        ("emission_weight", f32),  # luminance of the emission, texture averaged: how often its triangles are drawn
         ("metallic", f32),
         ("roughness", f32),
         ("normal_scale", f32),
@@ -146,6 +147,53 @@ TEXTURE = np.dtype(
     ],
     align=True,
 )
+
+LIGHTING = np.dtype(
+    [
+        ("sky_present", i32),
+        ("sky_visible", i32),  # 1: it is also what lies behind everything
+        ("sky_width", i32),
+        ("sky_height", i32),
+        ("sky_intensity", f32),
+        ("sky_cos", f32),  # of its turn about +y
+        ("sky_sin", f32),
+        ("irradiance", f32, (9, 3)),  # of the sky, as spherical harmonics of the normal
+        ("emitted_power", f32),  # sum of weight times area over the emitters
+    ],
+    align=True,
+)
+
+EMITTER = np.dtype(
+    [
+        ("instance", i32),
+        ("triangle", i32),
+        ("cumulative", f32),  # share of the power up to and with this one
+    ],
+    align=True,
+)
+
+
+class Lighting(NamedTuple):
+    """Light that comes from surfaces and from all around.
+
+    Attributes
+    ----------
+    header : (1,) LIGHTING
+    sky : (height, width, 3) float32
+        Radiance by direction, equirectangular, row 0 at the bottom.
+    sky_cumulative : (n,) float32
+        For drawing directions by their radiance: height + 1 shares of the rows, then width + 1 within each row.
+    emitters : (n,) EMITTER
+    """
+
+    header: NDArray[np.void]
+    sky: NDArray[np.float32]
+    sky_cumulative: NDArray[np.float32]
+    emitters: NDArray[np.void]
+
+
+LIGHTING_ARRAYS = (Array(LIGHTING, 1), Array(np.float32, 3), Array(np.float32, 1), Array(EMITTER, 1))
+"""The door arguments that a Lighting unpacks to."""
 
 
 class SceneTables(NamedTuple):

@@ -161,9 +161,7 @@ def test_points_and_lines_are_noted(triangle: Any, tmp_path: Path, mode: int) ->
     u=st.floats(-2, 2),
     v=st.floats(-2, 2),
 )
-def test_texture_transform(
-    offset: tuple[float, float], scale: tuple[float, float], rotation: float, u: float, v: float
-) -> None:
+def test_texture_transform(offset: tuple[float, float], scale: tuple[float, float], rotation: float, u: float, v: float) -> None:
     """Turning after the file's transform is transforming, our way, after turning: one texel, whichever way it is reached."""
     c, s = math.cos(rotation), math.sin(rotation)
     x, y = scale[0] * u, scale[1] * v

@@ -56,9 +56,7 @@ def test_cmyk_jpeg() -> None:
     assert read_picture(data, LIMITS).min() >= 250
 
 
-@pytest.mark.parametrize(
-    "data", [b"", b"\x89PNG", b"\xab" + b"KTX 20\xbb\r\n\x1a\n", b"%!PS-Adobe-3.0 EPSF-3.0", b"BM" + b"\0" * 60]
-)
+@pytest.mark.parametrize("data", [b"", b"\x89PNG", b"\xab" + b"KTX 20\xbb\r\n\x1a\n", b"%!PS-Adobe-3.0 EPSF-3.0", b"BM" + b"\0" * 60])
 def test_what_is_no_picture(data: bytes) -> None:
     """Foreign and broken bytes are one clear error; strange formats are not even tried."""
     with pytest.raises(PictureError):

@@ -1,0 +1,83 @@
+"""Surfaces that shine: a point on one of them, drawn in proportion to its power, and the density of having drawn it.
+
+Triangles are drawn by emission times area, points uniformly on them, so the density per area is ``weight / total`` wherever the weight of
+a material is known: no look-up is needed for a surface that a ray met by chance. Seen from p, an area dA at distance r fills the solid
+angle cos(theta) dA / r^2 (FoCG 18.2).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .._jit import kernel
+from ..kernel.elementary import sqrt
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
+from ..kernel.warp import warp_triangle
+from .bsdf import resolve
+from .surface import barycentrics_of_hit, surface_at
+
+__all__ = ["EmitterSample", "pdf_emitter", "sample_emitter"]
+
+f32 = np.float32
+
+
+class EmitterSample(NamedTuple):
+    """A direction towards a shining point, unit, its distance, its radiance, and its density per steradian; pdf 0: none."""
+
+    wi: Vec3
+    distance: np.float32
+    radiance: Color
+    pdf: np.float32
+
+
+@kernel
+def _find(emitters, u: np.float32) -> int:
+    """The first emitter whose share of the power reaches beyond u."""
+    low, high = 0, emitters.shape[0] - 1
+    while low < high:
+        middle = (low + high) // 2
+        if emitters[middle]["cumulative"] > u:
+            high = middle
+        else:
+            low = middle + 1
+    return low
+
+
+@kernel
+def pdf_emitter(lighting, material, cos_theta: np.float32, squared: np.float32) -> np.float32:
+    """The density per steradian with which `sample_emitter` draws a point of this material at a squared distance."""
+    total = lighting[0][0]["emitted_power"]
+    if total <= ZERO or cos_theta <= ZERO:
+        return ZERO
+    return material["emission_weight"] / total * squared / cos_theta
+
+
+@kernel
+def sample_emitter(scene, lighting, p: Vec3, choice: np.float32, u: np.float32, v: np.float32) -> EmitterSample:
+    """Draw a point of the shining surfaces as seen from p; single-sided ones shine to their front only."""
+    instances, meshes, positions, triangles, attributes, slots, materials, _, textures, texels = scene
+    emitters = lighting[3]
+    nothing = EmitterSample(Vec3(ZERO, ONE, ZERO), ZERO, Color(ZERO, ZERO, ZERO), ZERO)
+    if emitters.shape[0] == 0:
+        return nothing
+    emitter = emitters[_find(emitters, choice)]
+    instance = instances[emitter["instance"]]
+    b1, b2 = warp_triangle(u, v)
+    mesh = meshes[instance["mesh"]]
+    point = surface_at((positions, triangles, attributes, slots), instance, mesh, np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2))
+    to_light = point.position - p
+    squared = dot(to_light, to_light)
+    if squared <= ZERO:
+        return nothing
+    distance = sqrt(squared)
+    wi = to_light * (ONE / distance)
+    cos_theta = -dot(point.n, wi)
+    material = materials[point.material]
+    if material["double_sided"] != 0:
+        cos_theta = abs(cos_theta)
+    if cos_theta <= ZERO:
+        return nothing
+    bsdf = resolve(material, point, textures, texels)
+    return EmitterSample(wi, distance, bsdf.emission * bsdf.alpha, pdf_emitter(lighting, material, cos_theta, squared))

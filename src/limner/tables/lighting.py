@@ -1,0 +1,132 @@
+"""The environment and the surfaces that shine, as kernels read them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import layouts
+from .layouts import Lighting, SceneTables
+
+__all__ = ["irradiance_harmonics", "lighting", "sky_cumulative"]
+
+_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def lighting(
+    tables: SceneTables, sky: NDArray[np.float32] | None, intensity: float = 1.0, rotation_degrees: float = 0.0, visible: bool = False
+) -> Lighting:
+    """Make the tables of a scene's lighting.
+
+    Parameters
+    ----------
+    tables : SceneTables
+    sky : (height, width, 3) float32, optional
+        Radiance, equirectangular, row 0 on top; None: no sky.
+    intensity : float
+    rotation_degrees : float
+        Turns the sky about +y, counter-clockwise seen from above.
+    visible : bool
+        Whether the sky is also what lies behind everything.
+    """
+    header = np.zeros(1, dtype=layouts.LIGHTING)
+    row = header[0]
+    pixels = np.zeros((0, 0, 3), dtype=np.float32)
+    cumulative = np.zeros(0, dtype=np.float32)
+    if sky is not None:
+        pixels = np.ascontiguousarray(sky[::-1], dtype=np.float32)
+        angle = math.radians(rotation_degrees)
+        row["sky_present"], row["sky_visible"] = 1, visible
+        row["sky_height"], row["sky_width"] = pixels.shape[:2]
+        row["sky_intensity"], row["sky_cos"], row["sky_sin"] = intensity, math.cos(angle), math.sin(angle)
+        row["irradiance"] = irradiance_harmonics(pixels, angle) * intensity
+        cumulative = sky_cumulative(pixels)
+    emitters, power = _emitters(tables)
+    row["emitted_power"] = power
+    return Lighting(header, pixels, cumulative, emitters)
+
+
+def _directions(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(height, width, 3) unit directions of texel centres, row 0 at the bottom, and (height, 1) solid angles."""
+    theta = np.pi * (1.0 - (np.arange(height) + 0.5) / height)[:, None]
+    phi = 2.0 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)[None, :]
+    x, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
+    solid_angle = 2.0 * np.pi / width * (2.0 * np.sin(theta) * np.sin(0.5 * np.pi / height))
+    return np.stack([x, np.broadcast_to(np.cos(theta), x.shape), z], axis=-1), solid_angle
+
+
+def irradiance_harmonics(pixels: NDArray[np.float32], angle: float) -> NDArray[np.float64]:
+    """(9, 3): A_l L_lm, so that the irradiance on n is the sum of these times Y_lm(n).
+
+    **Source**: Ramamoorthi and Hanrahan 2001, eq. 3, 5, 8; A_0 = pi, A_1 = 2 pi/3, A_2 = pi/4.
+    """
+    height, width = pixels.shape[:2]
+    # Irradiance is smooth: a picture of a few thousand directions holds all of it.
+    step_y, step_x = max(1, height // 64), max(1, width // 128)
+    rows, columns = height // step_y * step_y, width // step_x * step_x
+    small = pixels[:rows, :columns].reshape(rows // step_y, step_y, columns // step_x, step_x, 3).mean(axis=(1, 3), dtype=np.float64)
+    d, solid_angle = _directions(*small.shape[:2])
+    c, s = math.cos(angle), math.sin(angle)
+    x, y, z = c * d[..., 0] + s * d[..., 2], d[..., 1], -s * d[..., 0] + c * d[..., 2]
+    y1, y2, y20 = math.sqrt(3 / (4 * math.pi)), math.sqrt(15 / (4 * math.pi)), math.sqrt(5 / (16 * math.pi))
+    basis = np.stack(
+        [
+            np.full(x.shape, 0.5 / math.sqrt(math.pi)),
+            y1 * y, y1 * z, y1 * x,
+            y2 * x * y, y2 * y * z, y20 * (3 * z * z - 1), y2 * x * z, 0.5 * y2 * (x * x - y * y),
+        ]
+    )  # fmt: skip
+    weights = np.array([math.pi] + [2 * math.pi / 3] * 3 + [math.pi / 4] * 5)
+    return np.einsum("kij,ijc,ij->kc", basis, small, np.broadcast_to(solid_angle, x.shape)) * weights[:, None]
+
+
+def sky_cumulative(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Shares of the radiance, row by row and within each row.
+
+    A texel counts with its neighbours, since looking it up mixes them in: what can be seen can be drawn.
+    """
+    height, width = pixels.shape[:2]
+    brightness = pixels.astype(np.float64) @ _LUMINANCE
+    padded = np.concatenate([brightness[:1], brightness, brightness[-1:]])
+    vertical = (padded[:-2] + 2.0 * padded[1:-1] + padded[2:]) / 4.0
+    spread = (np.roll(vertical, 1, axis=1) + 2.0 * vertical + np.roll(vertical, -1, axis=1)) / 4.0
+    sin_theta = np.sin(np.pi * (np.arange(height) + 0.5) / height)[:, None]
+    weight = (spread + 1e-4 * spread.mean() + 1e-30) * sin_theta
+    rows = weight.sum(axis=1)
+    within = np.concatenate([np.zeros((height, 1)), np.cumsum(weight, axis=1) / rows[:, None]], axis=1)
+    marginal = np.concatenate([[0.0], np.cumsum(rows) / rows.sum()])
+    within[:, -1], marginal[-1] = 1.0, 1.0
+    return np.concatenate([marginal, within.reshape(-1)]).astype(np.float32)
+
+
+def _emitters(tables: SceneTables) -> tuple[NDArray[np.void], float]:
+    """The triangles that shine, with their shares of the power: weight of their material times area."""
+    weights = tables.materials["emission_weight"]
+    found: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
+    if (weights > 0.0).any():
+        for k, instance in enumerate(tables.instances):
+            if instance["kind"] not in (layouts.MESH, layouts.BOX) or instance["mesh"] < 0:
+                continue
+            mesh = tables.meshes[instance["mesh"]]
+            n = int(mesh["n_triangles"])
+            slots = tables.slots[mesh["slot"] : mesh["slot"] + n] if mesh["slot"] >= 0 else np.zeros(n, dtype=np.int32)
+            weight = weights[instance["material"] + slots]
+            shining = np.flatnonzero(weight > 0.0)
+            if len(shining):
+                corners = tables.positions[mesh["position"] + tables.triangles[mesh["triangle"] + shining]].astype(np.float64)
+                world = corners @ instance["world_from_object"][:, :3].T.astype(np.float64)
+                area = 0.5 * np.linalg.norm(np.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0]), axis=1)
+                power = weight[shining] * area
+                kept = np.isfinite(power) & (power > 0.0)
+                found.append((np.full(int(kept.sum()), k), shining[kept], power[kept]))
+    power = np.concatenate([f[2] for f in found]) if found else np.zeros(0)
+    emitters = np.zeros(len(power), dtype=layouts.EMITTER)
+    if not len(power):
+        return emitters, 0.0
+    emitters["instance"], emitters["triangle"] = np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+    total = float(power.sum())
+    emitters["cumulative"] = np.cumsum(power) / total
+    emitters["cumulative"][-1] = 1.0
+    return emitters, total

@@ -1,0 +1,86 @@
+"""Print a digest of a small picture by each renderer, as JSON: colours and channels, all bits.
+
+With --warm-up: compile everything first, and tell how long it took and which kernels there are.
+
+A program, run by `test_bits.py` in each mode and for several CPUs. The scene has something of everything that kernels branch on:
+textures, a normal map, masks, blended layers, mirrors, shadows, every light and kind of shape, a triangle through the near plane.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from staging import checkers, grid, lit_from, place, point_light_at, scene_of
+
+from limner._door import warm_up
+from limner._jit import MODE
+from limner.aov import CHANNELS
+from limner.linear import transform
+from limner.mesh import primitives
+from limner.render import render
+from limner.scene.camera import PerspectiveCamera
+from limner.scene.light import AmbientLight, PointLight, SpotLight
+from limner.scene.material import BlinnPhong, Lambert, MetallicRoughness
+from limner.scene.node import Node
+from limner.scene.scene import Scene
+from limner.scene.shape import Box, Plane, Sphere
+
+
+def small_scene() -> Scene:
+    """Fits a picture of 24 x 16."""
+    bumps = checkers(4, filter="bilinear")
+    return scene_of(
+        place(grid(3, 4.0), Lambert(color=1, texture=checkers(8, scale=(6.0, 6.0)))),
+        place(Sphere(0.5), BlinnPhong(diffuse=0.1, specular=0.6, exponent=30, mirror=(0.7, 0.6, 0.5)), at=(-0.6, 0.5, 0.1)),
+        place(Box((0.6, 0.8, 0.4)), MetallicRoughness(metallic=0.3, roughness=0.4, normal_texture=bumps), at=(0.6, 0.4, -0.2)),
+        place(primitives.sphere(0.3, 5), Lambert(texture=checkers(4, alpha=0, filter="nearest"), alpha_mode="mask"), at=(0.1, 0.3, 0.9)),
+        place(Sphere(0.35), Lambert(color=(0.2, 0.9, 0.3), alpha=0.4, alpha_mode="blend"), at=(0.5, 0.5, 0.8)),
+        place(Plane(), matrix=transform.translate(0, 0, -2) @ transform.rotate_x(1.3)),
+        lit_from((0.5, 1.0, 0.7)),
+        point_light_at((-1.0, 1.5, 1.0), PointLight(color=(1, 0.7, 0.4), intensity=3.0, range=6.0)),
+        lit_from((1.0, 2.0, 0.5), SpotLight(intensity=8.0, inner_degrees=5, outer_degrees=30)),
+        Node(lights=(AmbientLight(intensity=0.1),)),
+        camera=PerspectiveCamera.look_at((0.2, 1.0, 2.6), (0.0, 0.4, 0.0), yfov_degrees=45),
+        background=(0.1, 0.2, 0.4),
+    )
+
+
+def digest(renderer: str) -> str:
+    image = render(small_scene(), width=24, height=16, renderer=renderer, samples=1, aovs=CHANNELS, threads=1)
+    found = hashlib.blake2b(digest_size=16)
+    for array in (image.pixels, *(image.aov[name] for name in CHANNELS)):
+        found.update((array + array.dtype.type(0)).tobytes())  # -0 and 0 are one number
+    assert np.isfinite(image.pixels).all()
+    return found.hexdigest()
+
+
+def signatures() -> dict[str, list[str]]:
+    """For every kernel that was compiled in this process, the types of arguments it was compiled for."""
+    from numba.core.dispatcher import Dispatcher
+
+    found = {}
+    for name, module in sorted(sys.modules.items()):
+        if name.startswith("limner."):
+            for value in vars(module).values():
+                if isinstance(value, Dispatcher) and value.signatures:
+                    python = value.py_func
+                    found[f"{python.__module__}.{python.__qualname__}"] = [str(signature) for signature in value.signatures]
+    return found
+
+
+if __name__ == "__main__":
+    answer: dict[str, object] = {"mode": MODE}
+    if "--warm-up" in sys.argv:
+        started = time.perf_counter()
+        warm_up()
+        answer |= {"seconds": time.perf_counter() - started, "signatures": signatures()}
+    answer["pictures"] = {renderer: digest(renderer) for renderer in ("raster", "ray")}
+    print(json.dumps(answer))  # noqa: T201 - this is its answer

@@ -1,0 +1,112 @@
+"""What cannot change a bit of a picture: threads, tiles, the mode kernels run in, the CPU they are compiled for."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from limner.aov import CHANNELS
+from limner.render import render
+from limner.scene.library import builtin
+
+_PROGRAM = Path(__file__).with_name("fingerprint.py")
+
+
+def _small_scene() -> Any:
+    spec = importlib.util.spec_from_file_location("picture_fingerprint", _PROGRAM)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.small_scene()
+
+
+def _fingerprint(*words: str, **environment: str) -> dict[str, Any]:
+    cleared = ("LIMNER_MODE", "NUMBA_DISABLE_JIT", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
+    kept = {name: value for name, value in os.environ.items() if name not in cleared}
+    done = subprocess.run(
+        [sys.executable, str(_PROGRAM), *words], env={**kept, **environment}, capture_output=True, text=True, timeout=600, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def as_python() -> dict[str, Any]:
+    """The reference: the kernels as they are written."""
+    found = _fingerprint(LIMNER_MODE="python")
+    assert found["mode"] == "python"
+    return found["pictures"]
+
+
+@pytest.fixture(scope="module")
+def for_any_cpu(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Everything compiled anew for the plainest CPU of the family."""
+    folder = str(tmp_path_factory.mktemp("compiled"))
+    return _fingerprint("--warm-up", NUMBA_CPU_NAME="generic", LIMNER_CACHE_DIR=folder)
+
+
+@pytest.mark.compiled
+def test_compiled_is_python(as_python):
+    """Both renderers, every channel, with the instructions that this CPU has."""
+    found = _fingerprint()
+    assert found["mode"] == "compiled"
+    assert found["pictures"] == as_python
+
+
+@pytest.mark.compiled
+def test_every_cpu_computes_the_same(as_python, for_any_cpu):
+    """Without AVX and fused multiply-add too."""
+    assert for_any_cpu["pictures"] == as_python
+
+
+def test_tracing_changes_nothing(as_python):
+    assert _fingerprint(LIMNER_MODE="traced")["pictures"] == as_python
+
+
+@pytest.mark.compiled
+def test_kernels_are_compiled_once(for_any_cpu, record_property):
+    """A kernel that is called with int32 here and int64 there is compiled twice, and so is all below it: a slip of types.
+
+    Helpers that take records or tables of several kinds by design are the exception that `_GENERIC` names.
+    """
+    found = for_any_cpu["signatures"]
+    record_property("kernels", len(found))
+    record_property("seconds", for_any_cpu["seconds"])
+    assert len(found) > 60
+    twice = {name: types for name, types in found.items() if len(types) > _GENERIC.get(name, 1)}
+    assert not twice, "\n".join(f"{name}:\n    " + "\n    ".join(types) for name, types in twice.items())
+
+
+_GENERIC: dict[str, int] = {}
+
+
+@pytest.mark.parametrize("renderer", ["raster", "ray"])
+def test_threads_and_tiles_change_nothing(renderer):
+    """A picture and its channels are the same bits on 1, 2 and 7 threads, in tiles of 16, 64 and 100 pixels."""
+    for scene in (_small_scene(), builtin("cornell")):
+        images = [
+            render(scene, width=150, height=110, renderer=renderer, samples=2, threads=threads, tile_size=tile, aovs=CHANNELS)
+            for threads, tile in ((1, 64), (2, 16), (7, 100), (7, 16))
+        ]
+        for image in images[1:]:
+            np.testing.assert_array_equal(image.pixels, images[0].pixels)
+            for name in CHANNELS:
+                np.testing.assert_array_equal(image.aov[name], images[0].aov[name])
+
+
+@pytest.mark.parametrize("renderer", ["raster", "ray"])
+def test_rendering_twice_is_rendering_once(renderer):
+    """No state is left between pictures, and the camera's place in a larger picture's tiles is none either."""
+    scene = _small_scene()
+    first = render(scene, width=60, height=40, renderer=renderer, samples=3)
+    render(builtin("teapot"), width=31, height=17, renderer=renderer, samples=1)
+    np.testing.assert_array_equal(render(scene, width=60, height=40, renderer=renderer, samples=3).pixels, first.pixels)

@@ -85,7 +85,15 @@ _OPTIONS: dict[str, Any] = {
 
 def inner_kernel(function: Callable[..., Any]) -> Any:
     """Return the Numba dispatcher of a kernel: callable from kernels, not from Python."""
-    return numba.njit(pipeline_class=_InnerPipeline, **_OPTIONS)(function)
+    dispatcher = numba.njit(pipeline_class=_InnerPipeline, **_OPTIONS)(function)
+    template_for = dispatcher.get_call_template
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        # Numba would compile a kernel once more for every constant that it is called with.
+        return template_for(tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in dict(kws).items()})
+
+    dispatcher.get_call_template = get_call_template
+    return dispatcher
 
 
 def _numba_type(kind: Array | Scalar) -> types.Type:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+
+from limner.image.image import Image
+from limner.scene.camera import Camera
+from limner.scene.library import builtin
+from limner.scene.scene import Scene
 
 SIZE = ("--width", "12", "--height", "9", "--samples", "1", "--views", "2")
 
@@ -55,16 +61,21 @@ def test_a_slip_is_one_line(limner_process: Callable[..., Any], tmp_path: Path, 
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
-def test_an_interrupt_keeps_what_is_finished(
-    limner: Callable[..., Any], engine: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+class _StoppedAtTheSecond:
+    """A Renderer whose second picture is interrupted."""
+
+    def __init__(self, scene: Scene, *, width: int, height: int, **_: object) -> None:
+        self._size, self._n_made = (height, width), 0
+
+    def render(self, camera: Camera, **_: object) -> Image:
+        self._n_made += 1
+        return Image(np.ones((*self._size, 4), dtype=np.float32), finished=self._n_made < 2)
+
+
+def test_an_interrupt_keeps_what_is_finished(limner: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The engine is stopped in its second picture: code 130, one view, and how to go on."""
-    monkeypatch.setattr("limner.cli.dataset.open_model", lambda _: __import__("limner").builtin("cornell"))
-
-    def stop(_: object) -> None:
-        engine.finished = len(engine.asked) < 2
-
-    engine.act = stop
+    monkeypatch.setattr(sys.modules["limner.render"], "Renderer", _StoppedAtTheSecond, raising=False)
+    monkeypatch.setattr("limner.cli.dataset.open_model", lambda _: builtin("cornell"))
     done = limner("dataset", "m", "-o", "views", *SIZE, "--aov", "", "--annotations", "none")
     assert done.code == 130
     assert done.err == "limner: interrupted: 1 of 2 views are in views; --resume goes on\n"

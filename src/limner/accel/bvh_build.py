@@ -120,7 +120,7 @@ def _best_split(bounds, order, first: int, last: int, bins):
             _clear(bins, b)
         for i in range(first, last):
             b = _bin_of(_center(bounds, order[i], axis), low, scale)
-            _grow(bins, b, bounds, order[i])
+            _grow(bins, b, bounds, np.int64(order[i]))
             bins[b, 6] += _ONE
         _clear(bins, 40)
         for b in range(_BINS - 1, 0, -1):
@@ -157,7 +157,7 @@ def _set_child(node, side: int, bounds, order, first: int, last: int, bins):
     """Write the box of a child into its parent."""
     _clear(bins, 42)
     for i in range(first, last):
-        _grow(bins, 42, bounds, order[i])
+        _grow(bins, 42, bounds, np.int64(order[i]))
     for c in range(6):
         node["box"][6 * side + c] = bins[42, c]
 

@@ -116,7 +116,7 @@ def info(talk: Talk, model: str, as_json: bool) -> None:
 @click.option("--yfov", type=float, default=40.0, show_default=True, help="The full vertical field of view, degrees.")
 @click.option("--width", type=click.IntRange(1, MAX_SIDE), default=640, show_default=True, help="Columns.")
 @click.option("--height", type=click.IntRange(1, MAX_SIDE), default=480, show_default=True, help="Rows.")
-@click.option("--renderer", type=click.Choice(["raster", "ray"]), default="raster", show_default=True, help="How to see.")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
 @click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
 @click.option("--aov", "aovs", type=WORDS, default="depth,normal,instance_id", show_default=True, help="To keep as arrays (.npz).")
@@ -125,7 +125,8 @@ def info(talk: Talk, model: str, as_json: bool) -> None:
     "--annotations", type=click.Choice(["instance", "material", "none"]), default="instance", show_default=True,
     help="Categories of annotations.json (COCO).",
 )  # fmt: skip
-@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--resume", is_flag=True, help="Go on with what is in the folder.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the data set as JSON on standard output.")

@@ -37,6 +37,7 @@ class Order:
     aovs: tuple[str, ...]
     masks: str | None
     annotations: str
+    environment: str | None
     background: Background | None
     resume: bool
     threads: int | None
@@ -48,6 +49,10 @@ def make_dataset(order: Order, talk: Talk) -> None:
     from ..produce.dataset import orbit_cameras, write
 
     scene = open_model(order.model)
+    if order.environment is not None:
+        from ..scene.environment import Environment
+
+        scene = scene.replace(environment=Environment(order.environment))
     if order.background is not None:
         scene = scene.replace(background=None if order.background == "transparent" else order.background)
     talk.note(scene.notes)

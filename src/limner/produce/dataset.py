@@ -124,7 +124,7 @@ def write(
     folder : path
         Is made where it is not there; one that holds a data set already is refused, unless `resume` goes on with it.
     width, height, renderer, samples, seed, threads, **options
-        As for `limner.render`.
+        As for `limner.render`; the options are max_depth, shadows, tile_size and default_lights.
     aovs : iterable of str
         What to keep beside each picture, in ``arrays/*.npz``.
     masks : "instance" | "material", optional
@@ -186,8 +186,12 @@ class _Work:
     """One data set on its way into its folder."""
 
     def __init__(self, order: _Order, scene: Scene, cameras: Sequence[Camera], recipe: dict[str, Any]) -> None:
+        from ..render import Renderer
+
         self._order, self._cameras = order, cameras
-        self._scene, said = with_defaults(scene.replace(camera=cameras[0]), order.width / order.height)
+        lights = bool(order.options.get("default_lights", True))
+        self._scene, said = with_defaults(scene.replace(camera=cameras[0]), order.width / order.height, lights=lights)
+        self._renderer = Renderer(self._scene, width=order.width, height=order.height, aovs=order.channels(), **order.options)
         self._warnings = dict.fromkeys(said)
         self._done: list[int] = []
         self.head = self._planned(recipe)
@@ -238,17 +242,12 @@ class _Work:
 
     def _render(self, index: int, meter: Meter, cancel: threading.Event | None) -> bool:
         """Make the files of a view; False where it was stopped before."""
-        from ..render import render
-
         order, n = self._order, len(self._cameras)
 
         def on_progress(progress: Progress) -> None:
             meter.report(min((index + progress.done) / n, 1.0 - 1e-9))
 
-        image = render(
-            self._scene, width=order.width, height=order.height, camera=self._cameras[index], aovs=order.channels(),
-            on_progress=on_progress, cancel=cancel, **order.options,
-        )  # fmt: skip
+        image = self._renderer.render(self._cameras[index], on_progress=on_progress, cancel=cancel)
         if not image.finished:
             return False
         self._warnings.update(dict.fromkeys(image.warnings))

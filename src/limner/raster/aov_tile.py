@@ -36,5 +36,6 @@ def draw_aov_tile(
             i, j = first_column + p % columns, first_row + p // columns
             t = screen[seen[p]]
             v0, v1, v2 = vertices_of(t, instances, meshes, triangles, vertices, first_vertex)
-            point = visible_point(scene, camera, t["instance"], t["triangle"], v0, v1, v2, f32(i), f32(j))
-            write_aov(scene, camera, t["instance"], t["triangle"], point, values, ids, i, j)
+            instance, triangle = np.int64(t["instance"]), np.int64(t["triangle"])
+            point = visible_point(scene, camera, instance, triangle, v0, v1, v2, f32(i), f32(j))
+            write_aov(scene, camera, instance, triangle, point, values, ids, i, j)

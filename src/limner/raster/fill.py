@@ -51,7 +51,8 @@ def _covers(screen_triangle, x: np.float32, y: np.float32, camera, scene, frame)
     instances, meshes, _, triangles, _, _, materials, _, textures, texels = scene
     vertices, first_vertex = frame
     v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
-    point = visible_point(scene, camera, screen_triangle["instance"], screen_triangle["triangle"], v0, v1, v2, x, y)
+    instance, triangle = np.int64(screen_triangle["instance"]), np.int64(screen_triangle["triangle"])
+    point = visible_point(scene, camera, instance, triangle, v0, v1, v2, x, y)
     return alpha_at(materials[point.material], point, textures, texels) > ZERO
 
 

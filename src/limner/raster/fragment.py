@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from .._jit import kernel
 from ..shading.bsdf import resolve
 from ..shading.lights import ambient_radiance, illuminate, lit_radiance
@@ -20,7 +22,8 @@ def shade_fragment(screen_triangle, x, y, camera, scene, lighting, frame):
     instances, meshes, _, triangles, _, _, materials, lights, textures, texels = scene
     vertices, first_vertex = frame
     v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
-    point = visible_point(scene, camera, screen_triangle["instance"], screen_triangle["triangle"], v0, v1, v2, x, y)
+    instance, triangle = np.int64(screen_triangle["instance"]), np.int64(screen_triangle["triangle"])
+    point = visible_point(scene, camera, instance, triangle, v0, v1, v2, x, y)
     wo = direction_to_eye(camera, point.position)
     point = flip_to_front(point, wo)
     bsdf = resolve(materials[point.material], point, textures, texels)

@@ -71,7 +71,7 @@ def draw_tile(
     n = columns * rows
     farthest = camera["near"] / camera["far"] if camera["kind"] == PERSPECTIVE else ZERO
     for s in range(first_sample, last_sample):
-        ox, oy = sample_places[s, 0], sample_places[s, 1]
+        ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _clear(depth, seen, farthest, n)
         fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen)
         for p in range(n):

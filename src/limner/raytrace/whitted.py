@@ -67,7 +67,7 @@ def hit_point(scene, hit, o: Vec3, d: Vec3) -> SurfacePoint:
 def transmittance(scene, accelerator, has_alpha, point: SurfacePoint, wi: Vec3, distance: np.float32, stack) -> np.float32:
     """How much of a light reaches a point: nothing through what is opaque, 1 - alpha through the rest (FoCG 4.7)."""
     instances, _, _, _, _, _, materials, _, textures, texels = scene
-    o = off_surface(point, point.n if dot(point.n, wi) >= ZERO else -point.n)
+    o = off_surface(point, point.n) + point.bulge if dot(point.n, wi) >= ZERO else off_surface(point, -point.n)
     t_max = _INFINITY
     if distance < _INFINITY:
         # The origin has moved: aim anew, and stop short of the light, which may be a surface.

@@ -129,6 +129,6 @@ def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
     sign = -ONE if instance["flipped"] != 0 else ONE
     return SurfacePoint(
         transform_point(w, p), n, n, transform_vector(w, tangent), sign, u, v, ZERO, ZERO, Color(ONE, ONE, ONE), ONE,
-        Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO), np.int64(instance["material"]),
+        Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO), np.int64(instance["material"]), Vec3(ZERO, ZERO, ZERO),
         transformed_reach(w, abs(p.x), abs(p.y), abs(p.z)),
     )  # fmt: skip

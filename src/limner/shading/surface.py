@@ -66,6 +66,7 @@ class SurfacePoint(NamedTuple):
     alpha: np.float32
     footprint: Footprint
     material: int
+    bulge: Vec3  # from the flat triangle to the smooth surface that its normals tell of; where shadow rays start
     reach: np.float32  # the greatest number its position was computed from: rounding errors are measured by it
 
 
@@ -208,15 +209,16 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     a, b = o1 - o0, o2 - o0
     n = transform_normal(instance, Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x))
 
-    ns, tangent, sign = n, Vec3(ZERO, ZERO, ZERO), ONE
+    ns, tangent, sign, bulge = n, Vec3(ZERO, ZERO, ZERO), ONE, Vec3(ZERO, ZERO, ZERO)
     if mesh["normal"] >= 0:
         k0, k1, k2 = i0, i1, i2
         if mesh["normal_triangle"] >= 0:
             k = mesh["normal_triangle"] + triangle
             k0, k1, k2 = triangles[k, 0], triangles[k, 1], triangles[k, 2]
         p = mesh["normal"]
-        smooth = _mix3(_direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2), w)
-        ns = transform_normal(instance, smooth)
+        n0, n1, n2 = _direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2)
+        ns = transform_normal(instance, _mix3(n0, n1, n2, w))
+        bulge = transform_vector(m, _bulge(_mix3(o0, o1, o2, w), o0, o1, o2, n0, n1, n2, w))
         ns = ns if dot(ns, ns) > f32(0.5) else n
         if mesh["tangent"] >= 0:
             p = mesh["tangent"]
@@ -260,7 +262,18 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     material = np.int64(instance["material"])
     if mesh["slot"] >= 0:
         material = material + slots[mesh["slot"] + triangle]
-    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, reach)
+    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, bulge, reach)
+
+
+@kernel
+def _bulge(p: Vec3, o0: Vec3, o1: Vec3, o2: Vec3, n0: Vec3, n1: Vec3, n2: Vec3, w: Barycentrics) -> Vec3:
+    """From a point of the triangle to the surface that its normals round: outwards only.
+
+    A coarse mesh shades smoothly but shadows itself in facets where light grazes it; shadow rays that start on the rounded surface do not.
+    **Source**: Hanika, *Hacking the shadow terminator*, Ray Tracing Gems II, 2021, ch. 4.
+    """
+    below0, below1, below2 = min(ZERO, dot(p - o0, n0)), min(ZERO, dot(p - o1, n1)), min(ZERO, dot(p - o2, n2))
+    return -(n0 * (below0 * w.b0) + n1 * (below1 * w.b1) + n2 * (below2 * w.b2))
 
 
 @kernel
@@ -278,8 +291,9 @@ def _tangent_of_triangle(m, a: Vec3, b: Vec3, attributes, p0: int, p1: int, p2: 
 def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
     """Turn both normals to the side that is seen; a shading normal that looks away stays on the geometric one's side."""
     n = point.n if dot(point.n, wo) >= ZERO else -point.n
+    bulge = point.bulge if dot(point.n, wo) >= ZERO else Vec3(ZERO, ZERO, ZERO)
     ns = point.ns if dot(point.ns, n) >= ZERO else -point.ns
     return SurfacePoint(
         point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
-        point.footprint, point.material, point.reach,
+        point.footprint, point.material, bulge, point.reach,
     )  # fmt: skip

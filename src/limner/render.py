@@ -15,8 +15,8 @@ from __future__ import annotations
 import contextlib
 import threading
 import warnings as python_warnings
-from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, overload
+from collections.abc import Callable, Generator, Iterable, Iterator
+from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,15 +32,13 @@ from .raster import pipeline
 from .raytrace import driver
 from .samples import pixel_samples
 from .scene.camera import Camera
+from .scene.environment import Environment
 from .scene.framing import with_defaults
 from .scene.scene import Scene
 from .tables.build import Built, View, flatten, names, view
 from .tables.layouts import Lighting
 from .tables.lighting import lighting
 from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
-
-if TYPE_CHECKING:
-    from .scene.environment import Environment
 
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
 
@@ -258,7 +256,7 @@ class Renderer:
 
     def _pictures(
         self, camera: Camera | None, ends: list[int], on_progress: OnProgress | None, cancel: threading.Event | None, *, every: bool
-    ) -> Iterator[Image]:
+    ) -> Generator[Image, None, None]:
         """Expose a film up to each of `ends` samples; yield the picture after each, or after the last."""
         meter = Meter(on_progress, "render")
         meter.report(0.0)
@@ -328,7 +326,7 @@ class Renderer:
         return self._tree[1]
 
     def _lighting(self, scene: Scene, built: Built) -> Lighting:
-        environment = getattr(scene, "environment", None)
+        environment = scene.environment
         if environment is None:
             return lighting(built.tables, None)
         if self._sky[0] is not environment:

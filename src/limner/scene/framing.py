@@ -235,7 +235,7 @@ def with_defaults(scene: Scene, aspect: float, *, lights: bool = True) -> tuple[
         eye = ", ".join(f"{x:.4g}" for x in camera.world_from_camera[:3, 3])
         messages.append(f"the scene has no camera: added one that frames everything, from ({eye})")
     root = scene.root
-    if lights and not scene.lights() and getattr(scene, "environment", None) is None:
+    if lights and not scene.lights() and scene.environment is None:
         root = _with_lights(root, default_lights(camera, scene.bounds()))
         messages.append("the scene has no light: added a key, a fill and an ambient light")
     if not messages and camera is scene.camera:

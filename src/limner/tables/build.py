@@ -249,9 +249,9 @@ def _kind_and_size(shape: Shape) -> tuple[int, tuple[float, float, float]]:
 
 
 def _pixels_per_unit(camera: Camera, height: int) -> float:
-    """Pixels per unit of length at distance 1 (perspective) or anywhere (orthographic)."""
+    """Pixels per unit of length, along the denser axis, at distance 1 (perspective) or anywhere (orthographic)."""
     half = camera.half_height() if isinstance(camera, PerspectiveCamera) else camera.height / 2.0
-    return height / (2.0 * half)
+    return height / (2.0 * half * min(1.0, camera.pixel_aspect))
 
 
 def _tessellation(

@@ -398,13 +398,6 @@ def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:
 def _as_scene(thing: Any) -> Scene:
     if isinstance(thing, Scene):
         return thing
-    import os
-    if isinstance(thing, (str, os.PathLike)):
-        from .files.load import load
-        from .scene.library import BUILTINS, builtin
-        return builtin(str(thing)) if str(thing) in BUILTINS else load(thing)
-    if not isinstance(thing, (str, os.PathLike)):
-        raise SceneError(f"scene must be a Scene or the path of a file, got {type(thing).__name__}")
     from .files.interop import as_scene
 
     return as_scene(thing)

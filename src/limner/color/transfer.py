@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["bytes_from_linear", "bytes_from_unit", "linear_from_srgb", "srgb_from_linear"]
+from ..errors import SceneError
+
+__all__ = ["bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_from_linear"]
 
 _DROPPED_BITS = 12  # of 23 in a float32's fraction: at most one change of code in a bucket of what shares the rest
 _LEAST_BITS = 110 << 23  # of the float32 2^-17, far below the first code that is not 0
@@ -61,6 +63,42 @@ def linear_from_srgb(encoded: ArrayLike) -> NDArray[np.float64]:
     """
     s = np.clip(np.asarray(encoded, dtype=np.float64), 0.0, 1.0)
     return np.where(s <= 0.04045, s / 12.92, np.power((s + 0.055) / 1.055, 2.4))
+
+
+def linear_from_gamma(encoded: ArrayLike, gamma: float) -> NDArray[np.float64]:
+    """Decode values that a plain power encodes: the intensity that a monitor of that gamma shows, of its greatest.
+
+    Parameters
+    ----------
+    encoded : (...) float
+        Clipped to [0, 1] first.
+    gamma : float > 0
+
+    Returns
+    -------
+    (...) float64 in [0, 1]: ``a^gamma``.
+
+    >>> linear_from_gamma([0.0, 0.5, 1.0], 2.0).tolist()
+    [0.0, 0.25, 1.0]
+
+    **Source**: FoCG 3.2.2, displayed intensity = (maximum intensity) a^gamma.
+    """
+    return np.power(np.clip(np.asarray(encoded, dtype=np.float64), 0.0, 1.0), _checked_gamma(gamma))
+
+
+def gamma_from_linear(linear: ArrayLike, gamma: float) -> NDArray[np.float64]:
+    """Encode linear values for a monitor of that gamma: ``x^(1/gamma)``, the inverse of `linear_from_gamma`.
+
+    >>> gamma_from_linear([0.0, 0.25, 7.0], 2.0).tolist()
+    [0.0, 0.5, 1.0]
+    """
+    return np.power(np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0), 1.0 / _checked_gamma(gamma))
+
+
+def _checked_gamma(gamma: float) -> float:
+    if not 0.0 < gamma < float("inf"):
+        raise SceneError(f"gamma must be a positive number, got {gamma!r}")
+    return float(gamma)
 
 
 class _Codes(NamedTuple):

@@ -5,23 +5,25 @@
 `orthographic` and `perspective` are the book's matrices with the book's signs: the camera looks along -z, so the near and far
 planes stand at *negative* z, 0 > n > f, and M_per gives w = z < 0 for what is visible. The rest of limner takes positive
 distances and ``clip_from_camera = -M_per``: the same picture, with w = -z > 0 for what is visible. In both, normalised depth is
-+1 on the near and -1 on the far plane: greater is nearer.
++1 on the near and -1 on the far plane: greater is nearer. `depth_range` turns that into what others expect.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
+from .inverse import inverse_rigid
 from .project import Lens
 
 __all__ = [
-    "camera_from_world", "clip_from_camera", "clip_from_camera_orthographic", "clip_from_camera_perspective", "off_centre",
-    "orthographic", "perspective",
+    "Window", "cabinet", "camera_from_world", "cavalier", "clip_from_camera", "clip_from_camera_orthographic",
+    "clip_from_camera_perspective", "depth_range", "divided", "frustum_from_fov", "inverse_projection", "oblique", "off_centre",
+    "orthographic", "perspective", "resized",
 ]  # fmt: skip
 
 Matrix = NDArray[np.float64]
@@ -97,6 +99,74 @@ def perspective(l: float, r: float, b: float, t: float, n: float, f: float) -> M
             [0.0, 0.0, 1.0, 0.0],
         ]
     )
+
+
+class Window(NamedTuple):
+    """The sides of a view volume on its near plane (perspective) or anywhere (parallel): the book's l, r, b, t."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+
+def frustum_from_fov(yfov: float, aspect: float, n: float) -> Window:
+    """Find the sides of a pyramid around the gaze from its field of view.
+
+    Parameters
+    ----------
+    yfov : float in (0, pi)
+        The full vertical angle, radians.
+    aspect : float > 0
+        Width / height: n_x / n_y for square pixels.
+    n : float < 0
+        z of the near plane.
+
+    Returns
+    -------
+    Window
+        For ``perspective(*window, n, f)``.
+
+    Examples
+    --------
+    >>> [round(side, 12) for side in frustum_from_fov(math.radians(90), 1.5, -2.0)]
+    [-3.0, 3.0, -2.0, 2.0]
+
+    **Source**: FoCG 7.5: tan(yfov / 2) = t / |n|, l = -r, b = -t, n_x / n_y = r / t.
+    """
+    if not 0.0 < yfov < math.pi:
+        raise SceneError(f"a field of view must lie between 0 and pi radians, got {yfov}")
+    if not n < 0.0:
+        raise SceneError(f"the book's near plane must stand at negative z, got n = {n}")
+    top = math.tan(yfov / 2.0) * -n
+    _check_view(top, aspect)
+    return Window(-aspect * top, aspect * top, -top, top)
+
+
+def resized(window: Window, width: int, height: int) -> Window:
+    """Fit a window to a picture of another shape: what it shows from bottom to top stays, and pixels become square.
+
+    Parameters
+    ----------
+    window : Window
+        Of any kind; the side where it lies off the gaze stays in proportion.
+    width, height : int >= 1
+        The picture's new size in pixels.
+
+    Returns
+    -------
+    Window
+        Its left and right moved towards or away from the middle between them.
+
+    **Source**: FoCG 7.5, n_x / n_y = r / t, which keeps the vertical field of view.
+    """
+    if width < 1 or height < 1:
+        raise SceneError(f"a picture must be at least 1 pixel wide and high, got {width} x {height}")
+    _check_sides(*window)
+    middle_share = (window.left + window.right) / (window.right - window.left)
+    half_width = (window.top - window.bottom) / 2.0 * width / height
+    middle = middle_share * half_width
+    return Window(middle - half_width, middle + half_width, window.bottom, window.top)
 
 
 def _check_sides(left: float, right: float, bottom: float, top: float) -> None:
@@ -219,6 +289,119 @@ def clip_from_camera(camera: PlacedCamera, width: int, height: int, near: float,
     return off_centre(project(half_height, aspect, near, far), shift_x, shift_y)
 
 
+def oblique(angle: float, foreshortening: float = 1.0) -> Matrix:
+    """Lean parallel projection over: lines that run away from the viewer are drawn slanting, and what faces the viewer keeps its shape.
+
+    Parameters
+    ----------
+    angle : float
+        Radians; where such lines point in the picture, counter-clockwise from the right.
+    foreshortening : float
+        The length in the picture of one unit along them.
+
+    Returns
+    -------
+    (4, 4) float64
+        A shear of camera space, for ``orthographic(...) @ oblique(...)``; points with z = 0 stay.
+
+    Examples
+    --------
+    >>> (cavalier(0.0) @ [0, 0, -2, 1]).tolist()
+    [2.0, 0.0, -2.0, 1.0]
+
+    **Source**: FoCG 7.1.2 after 6.2: shear-z applied to x and y; Carlbom and Paciorek, *Planar Geometric Projections and Viewing
+    Transformations*, ACM Computing Surveys 10(4), 1978, 3.2.
+    """
+    matrix = np.eye(4)
+    matrix[0, 2], matrix[1, 2] = -foreshortening * math.cos(angle), -foreshortening * math.sin(angle)
+    return matrix
+
+
+def cavalier(angle: float = math.radians(45.0)) -> Matrix:
+    """(4, 4) float64: oblique projection in true lengths. **Source**: Carlbom and Paciorek 1978, 3.2."""
+    return oblique(angle, 1.0)
+
+
+def cabinet(angle: float = math.radians(45.0)) -> Matrix:
+    """(4, 4) float64: oblique projection at half lengths, as furniture is drawn. **Source**: Carlbom and Paciorek 1978, 3.2."""
+    return oblique(angle, 0.5)
+
+
+def depth_range(at_near: float, at_far: float) -> Matrix:
+    """Say normalised depth as others do: ``depth_range(...) @ clip_from_camera``.
+
+    Parameters
+    ----------
+    at_near, at_far : float
+        OpenGL: -1, 1; Direct3D and Vulkan: 0, 1; reversed depth: 1, 0, which with `far` infinite is near / depth, and which
+        floating-point numbers hold about equally well at every distance; the book and limner: 1, -1.
+
+    Returns
+    -------
+    (4, 4) float64
+        For clip space with w > 0.
+
+    Examples
+    --------
+    >>> clip = depth_range(1, 0) @ clip_from_camera_perspective(1.0, 1.0, near=0.5) @ [0, 0, -10.0, 1]
+    >>> float(clip[2] / clip[3])
+    0.05
+
+    **Source**: FoCG 7.3, the windowing transformation of 6.3 along z; Reed, *Depth Precision Visualized*, 2015, for the reversed one.
+    """
+    matrix = np.eye(4)
+    matrix[2, 2], matrix[2, 3] = (at_near - at_far) / 2.0, (at_near + at_far) / 2.0
+    return matrix
+
+
+def inverse_projection(clip_from_camera: ArrayLike) -> Matrix:
+    """Invert a projection by its structure: z and w are found from each other, x and y from them.
+
+    Parameters
+    ----------
+    clip_from_camera : (4, 4) float
+        Any product of this page's projections, parallel or perspective, leaning or off centre, near or infinite far plane.
+
+    Returns
+    -------
+    (4, 4) float64
+        camera_from_clip.
+
+    **Source**: FoCG 6.4, 7.3.
+    """
+    m = np.asarray(clip_from_camera, dtype=np.float64)
+    (a, _, c, p), (_, b, d, q), (_, _, e, g), (_, _, h, k) = m.tolist()
+    determinant = e * k - g * h
+    if m[:, :2].tolist() != [[a, 0.0], [0.0, b], [0.0, 0.0], [0.0, 0.0]] or a * b * determinant == 0.0:
+        raise SceneError("a projection must scale x and y apart from each other, and not flatten depth, to be inverted")
+    back = np.zeros((4, 4))
+    back[2, 2:] = k / determinant, -g / determinant
+    back[3, 2:] = -h / determinant, e / determinant
+    back[0] = -(c * back[2] + p * back[3]) / a
+    back[1] = -(d * back[2] + q * back[3]) / b
+    back[0, 0], back[1, 1] = 1.0 / a, 1.0 / b
+    return back
+
+
+def divided(homogeneous: ArrayLike) -> Matrix:
+    """Divide homogeneous points by their last number.
+
+    Parameters
+    ----------
+    homogeneous : (..., n + 1) float
+
+    Returns
+    -------
+    (..., n) float64
+        NaN where that number is 0: such points are directions.
+
+    **Source**: FoCG 7.2.
+    """
+    given = np.asarray(homogeneous, dtype=np.float64)
+    w = given[..., -1:]
+    return given[..., :-1] / np.where(w == 0.0, math.nan, w)
+
+
 def camera_from_world(camera: PlacedCamera | ArrayLike) -> Matrix:
     """Invert the camera's frame.
 
@@ -238,7 +421,4 @@ def camera_from_world(camera: PlacedCamera | ArrayLike) -> Matrix:
     axes = frame[:3, :3]
     if not np.allclose(axes.T @ axes, np.eye(3), rtol=0.0, atol=1e-12):
         return np.linalg.inv(frame).astype(np.float64)
-    matrix = np.eye(4)
-    matrix[:3, :3] = axes.T
-    matrix[:3, 3] = -axes.T @ frame[:3, 3]
-    return matrix
+    return inverse_rigid(frame)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -96,10 +97,11 @@ class Scene:
 
     def _repr_png_(self) -> bytes | None:
         """A small picture, as notebooks show it; None where there is none to be had."""
-        import limner
-
+        # A face of the whole, the one place where the description looks up to the renderers, and only when it is looked at.
+        render = importlib.import_module("..render", __package__).render
         try:
-            return limner.render(self, width=400, height=300)._repr_png_()
+            png: bytes = render(self, width=400, height=300)._repr_png_()
+            return png
         except LimnerError:
             return None
 

@@ -46,6 +46,7 @@ class View(NamedTuple):
     raster_from_object: NDArray[np.float32]
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: int) -> View:
     """The part of the tables that depends on the camera alone."""
     near, far = near_and_far(camera, scene.bounds())
@@ -84,6 +85,7 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
     return flatten(scene, camera, width, height).tables
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what float32 cannot hold becomes infinite, and is left out later
 def flatten(
     scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True
 ) -> Built:
@@ -117,7 +119,7 @@ def flatten(
         row["world_from_normal"] = _unit_scale(normal_matrix(matrix))
         row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
         row["material"] = first_material[_material_key(shape)]
-        row["kind"], row["size"] = _kind_and_size(shape)
+        row["kind"], row["size"] = _kind_and_size(shape, matrix)
         row["mesh"] = -1
         if tessellate or row["kind"] in (layouts.MESH, layouts.BOX):
             mesh = _tessellation(shape, matrix, eye, camera, pixels_per_unit, bounds, stand_ins)
@@ -236,8 +238,11 @@ def _unit_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return matrix / largest if largest > 0.0 else np.eye(3)
 
 
-def _kind_and_size(shape: Shape) -> tuple[int, tuple[float, float, float]]:
+def _kind_and_size(shape: Shape, matrix: NDArray[np.float64]) -> tuple[int, tuple[float, float, float]]:
     geometry = shape.geometry
+    if isinstance(geometry, (Sphere, Plane)) and _flattens(matrix):
+        # No ray can be taken into its space and back: its tessellation takes its place.
+        return layouts.MESH, (0.0, 0.0, 0.0)
     if isinstance(geometry, Sphere):
         return layouts.SPHERE, (geometry.radius, geometry.radius, geometry.radius)
     if isinstance(geometry, Box):
@@ -246,6 +251,12 @@ def _kind_and_size(shape: Shape) -> tuple[int, tuple[float, float, float]]:
     if isinstance(geometry, Plane):
         return layouts.PLANE, (0.0, 0.0, 0.0)
     return layouts.MESH, (0.0, 0.0, 0.0)
+
+
+def _flattens(matrix: NDArray[np.float64]) -> bool:
+    """Whether a transform leaves next to nothing of some direction, as far as float32 can tell."""
+    lengths = np.linalg.svd(matrix[:3, :3], compute_uv=False)
+    return not lengths[-1] > 1e-6 * lengths[0]
 
 
 def _pixels_per_unit(camera: Camera, height: int) -> float:

@@ -97,6 +97,4 @@ def interior(ids: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Pixels whose eight neighbours have the same id."""
     height, width = ids.shape
     padded = np.pad(ids, 1, mode="edge")
-    return np.all(
-        [padded[1 + j : 1 + j + height, 1 + i : 1 + i + width] == ids for j in (-1, 0, 1) for i in (-1, 0, 1)], axis=0
-    )
+    return np.all([padded[1 + j : 1 + j + height, 1 + i : 1 + i + width] == ids for j in (-1, 0, 1) for i in (-1, 0, 1)], axis=0)

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
     from .files.load import load
+    from .files.open_image import open_image
     from .image.image import Image
     from .mesh.mesh import Mesh
     from .produce import dataset
@@ -71,6 +72,7 @@ __all__ = [
     "builtin",
     "dataset",
     "load",
+    "open_image",
     "render",
 ]
 
@@ -79,6 +81,7 @@ _ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
 _HOMES = {
     "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
     "files.load": ("load",),
+    "files.open_image": ("open_image",),
     "image.image": ("Image",),
     "mesh.mesh": ("Mesh",),
     "progress": ("Progress",),

@@ -10,9 +10,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .tiles import Tile, tiles_of
+from ._door import Array, Door, Scalar
+from .color.transfer import srgb_codes
+from .tiles import Tile, run_all, tiles_of
 
 __all__ = ["Film"]
+
+_ROWS = (Array(np.float32, 3), Array(np.float32, 1), *[Scalar(np.int64)] * 4)
+_DEVELOP = Door("limner.film_kernel", "develop_rows", (*_ROWS, Array(np.float32, 3), Array(np.int64, 1)), "developing")
+_ENCODE = Door(
+    "limner.film_kernel",
+    "encode_rows",
+    (*_ROWS, Array(np.uint16, 1), Array(np.float32, 1), Array(np.uint8, 3), Array(np.int64, 1)),
+    "developing for screens",
+)
 
 
 class Film:
@@ -34,36 +45,44 @@ class Film:
     """
 
     def __init__(self, width: int, height: int, tile_size: int) -> None:
+        self._tile_size = tile_size
         self.sums = np.zeros((height, width, 4), dtype=np.float32)
         self.tiles: list[Tile] = tiles_of(width, height, tile_size)
         self.taken = np.zeros(len(self.tiles), dtype=np.int64)
 
-    def developed(self) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+    def developed(self, threads: int = 1) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """The picture so far, (height, width, 4) float32, straight alpha, row 0 on top; and what is wrong with it.
 
-        Pixels that are not finite become black, and are told of with the place of the first.
+        Pixels that are not finite become black, and are told of with the place of one of them.
         """
-        pixels = self.sums * self._share()
-        alpha = pixels[..., 3:]
-        partial = (alpha > 0.0) & (alpha < 1.0)
-        if partial.any():
-            np.divide(pixels[..., :3], alpha, out=pixels[..., :3], where=partial)
-        slips: tuple[str, ...] = ()
-        if not np.isfinite(pixels.sum(dtype=np.float64)):
-            bad = ~np.isfinite(pixels).all(axis=2)
-            if bad.any():
-                j, i = (int(k) for k in np.argwhere(bad)[-1])
-                place = f"x = {i}, y = {len(pixels) - 1 - j}"
-                slips = (f"{int(bad.sum())} pixels are not finite and were made black, the first at {place}",)
-                pixels[bad] = 0.0
-        return np.ascontiguousarray(pixels[::-1]), slips
+        pixels = np.empty_like(self.sums)
+        bad = np.zeros(len(self.sums), dtype=np.int64)
+        run_all(lambda rows: _DEVELOP(self.sums, *self._shares(), *rows, pixels, bad), self._bands(), threads)
+        return pixels, self._slips(bad)
 
-    def _share(self) -> NDArray[np.float32] | np.float32:
-        """One over the number of samples, of the whole or of each pixel; 0 where there are none."""
-        if (self.taken == self.taken[0]).all():
-            return np.float32(1.0 / max(int(self.taken[0]), 1))
-        shares = np.zeros((*self.sums.shape[:2], 1), dtype=np.float32)
-        for tile, taken in zip(self.tiles, self.taken.tolist(), strict=True):
-            part = shares[tile.first_row : tile.first_row + tile.rows, tile.first_column : tile.first_column + tile.columns]
-            part[...] = 1.0 / taken if taken else 0.0
-        return shares
+    def encoded(self, threads: int = 1) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
+        """The same as a screen wants it, (height, width, 4) uint8: what `Image.to_uint8` makes of it, at once."""
+        encoded = np.empty(self.sums.shape, dtype=np.uint8)
+        bad = np.zeros(len(self.sums), dtype=np.int64)
+        table = srgb_codes()
+        run_all(lambda rows: _ENCODE(self.sums, *self._shares(), *rows, table.code, table.change, encoded, bad), self._bands(), threads)
+        return encoded, self._slips(bad)
+
+    def _bands(self) -> list[tuple[int, int]]:
+        height = len(self.sums)
+        step = max(16, -(-height // 8))
+        return [(first, min(first + step, height)) for first in range(0, height, step)]
+
+    def _shares(self) -> tuple[NDArray[np.float32], int, int]:
+        """One over the number of samples of each tile, 0 where there are none; the side of a tile, and tiles in a row."""
+        shares = (1.0 / np.maximum(self.taken, 1)).astype(np.float32)
+        shares[self.taken == 0] = 0.0
+        return shares, self._tile_size, -(-self.sums.shape[1] // self._tile_size)
+
+    def _slips(self, bad: NDArray[np.int64]) -> tuple[str, ...]:
+        total = int(bad.sum())
+        if not total:
+            return ()
+        j = int(np.flatnonzero(bad)[-1])
+        i = int(np.flatnonzero(~np.isfinite(self.sums[j]).all(axis=1))[0]) if not np.isfinite(self.sums[j]).all() else 0
+        return (f"{total} pixels are not finite and were made black, the first at x = {i}, y = {len(bad) - 1 - j}",)

@@ -65,6 +65,7 @@ def render(
     camera: Camera | None = None,
     max_depth: int = 8,
     shadows: bool = True,
+    antialiasing: str = "supersample",
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
@@ -93,6 +94,9 @@ def render(
         How often a ray is reflected (`ray`) or light scattered (`path`) at most.
     shadows : bool
         Whether lights can be hidden (`ray`).
+    antialiasing : "supersample" | "multisample"
+        Whether every sample is shaded for itself, or what covers several samples of a pixel once (`raster`): faster, and sharp edges are
+        as smooth; small highlights and cut-out textures less so.
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
@@ -115,7 +119,7 @@ def render(
     """
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
-        threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        antialiasing=antialiasing, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -140,7 +144,8 @@ class Renderer:
 
     Parameters
     ----------
-    scene, width, height, renderer, samples, seed, max_depth, shadows, threads, tile_size, aovs, default_lights
+    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, threads, tile_size, aovs,
+    default_lights
         As in `render`.
 
     Every picture is the one that `render` would make, to the bit. A Renderer belongs to one thread at a time; several may work side by
@@ -165,6 +170,7 @@ class Renderer:
         seed: int = 0,
         max_depth: int = 8,
         shadows: bool = True,
+        antialiasing: str = "supersample",
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
@@ -174,6 +180,9 @@ class Renderer:
         self._width, self._height, self._renderer = int(width), int(height), renderer
         self._samples = _DEFAULT_SAMPLES[renderer] if samples is None else int(samples)
         self._seed, self._max_depth, self._shadows = int(seed), int(max_depth), bool(shadows)
+        if antialiasing not in ("supersample", "multisample"):
+            raise UnsupportedError(f'antialiasing must be "supersample" or "multisample", got {antialiasing!r}')
+        self._multisample = _SAMPLES_AT_ONCE["raster"] if antialiasing == "multisample" and renderer == "raster" else 0
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
         self._aovs = _wanted_aovs(aovs)
@@ -240,9 +249,9 @@ class Renderer:
             raise UnsupportedError(f'output must be "image" or "uint8", got {output!r}')
         at_once = _SAMPLES_AT_ONCE[self._renderer]
         ends = [*range(at_once, self._samples, at_once), self._samples]
-        with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False)) as pictures:
-            image = next(pictures)
-        return image.to_uint8() if output == "uint8" else image
+        encode = output == "uint8"
+        with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False, encode=encode)) as pictures:
+            return next(pictures)
 
     def refine(
         self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
@@ -251,12 +260,21 @@ class Renderer:
 
         Leave the loop whenever a picture is good enough.
         """
-        ends = [1 << k for k in range(self._samples.bit_length()) if 1 << k < self._samples]
-        return self._pictures(camera, [*ends, self._samples], on_progress, cancel, every=True)
+        # Multisamples come in whole groups, or the last picture would not be the one that `render` makes.
+        least = max(1, self._multisample)
+        ends = [1 << k for k in range(self._samples.bit_length()) if least <= 1 << k < self._samples]
+        return self._pictures(camera, [*ends, self._samples], on_progress, cancel, every=True, encode=False)
 
     def _pictures(
-        self, camera: Camera | None, ends: list[int], on_progress: OnProgress | None, cancel: threading.Event | None, *, every: bool
-    ) -> Generator[Image, None, None]:
+        self,
+        camera: Camera | None,
+        ends: list[int],
+        on_progress: OnProgress | None,
+        cancel: threading.Event | None,
+        *,
+        every: bool,
+        encode: bool,
+    ) -> Generator[Any, None, None]:
         """Expose a film up to each of `ends` samples; yield the picture after each, or after the last."""
         meter = Meter(on_progress, "render")
         meter.report(0.0)
@@ -268,12 +286,12 @@ class Renderer:
         for last in ends:
             try:
                 self._expose(frame, first, last, meter, cancel)
-                extra = self._channels(frame) if last == ends[-1] else {}
+                extra = self._channels(frame) if last == ends[-1] and not encode else {}
             except (Cancelled, KeyboardInterrupt):
-                yield self._developed(frame, {}, finished=False)
+                yield self._encoded(frame) if encode else self._developed(frame, {}, finished=False)
                 return
             if every or last == ends[-1]:
-                yield self._developed(frame, extra, finished=True)
+                yield self._encoded(frame) if encode else self._developed(frame, extra, finished=True)
             first = last
 
     def _expose(self, frame: _Frame, first: int, last: int, meter: Meter, cancel: threading.Event | None) -> None:
@@ -306,7 +324,7 @@ class Renderer:
         if is_raster:
             work = pipeline.prepare(
                 built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
-                tile_size=self._tile_size,
+                tile_size=self._tile_size, multisample=self._multisample,
             )  # fmt: skip
         elif self._renderer == "ray":
             work = driver.prepare(
@@ -345,8 +363,12 @@ class Renderer:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
         return channels(self._aovs, values, ids)
 
+    def _encoded(self, frame: _Frame) -> NDArray[np.uint8]:
+        encoded, self.slips = frame.film.encoded(self._threads)
+        return encoded
+
     def _developed(self, frame: _Frame, extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
-        pixels, self.slips = frame.film.developed()
+        pixels, self.slips = frame.film.developed(self._threads)
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
         recipe = self._recipe(frame, int(frame.film.taken.min()))
         return Image(pixels, extra, id_names, recipe, (*frame.messages, *self.slips), finished)
@@ -363,6 +385,7 @@ class Renderer:
             "seed": self._seed,
             "max_depth": self._max_depth,
             "shadows": self._shadows,
+            "antialiasing": "multisample" if self._multisample else "supersample",
             "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
         }
 

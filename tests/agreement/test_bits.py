@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -38,6 +39,13 @@ def _fingerprint(*words: str, **environment: str) -> dict[str, Any]:
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+def _where_they_differ(types: list[str]) -> str:
+    """The arguments, counted from 0, that have several types, shortened: records are long."""
+    outer = [re.split(r", (?![^(\[{]*[)\]}])", kind) for kind in types]
+    columns = [sorted({kind[-40:] for kind in column}) for column in zip(*outer, strict=False)]
+    return "; ".join(f"{len(types)} times, such as {' | '.join(kinds)}" for kinds in columns if len(kinds) > 1)
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +92,7 @@ def test_kernels_are_compiled_once(for_any_cpu, record_property):
     record_property("seconds", for_any_cpu["seconds"])
     assert len(found) > 60
     twice = {name: types for name, types in found.items() if len(types) > _GENERIC.get(name, 1)}
-    assert not twice, "\n".join(f"{name}:\n    " + "\n    ".join(types) for name, types in twice.items())
-
+    assert not twice, "".join(f"\n{name}: {_where_they_differ(types)}" for name, types in twice.items())
 
 
 @pytest.mark.parametrize("renderer", ["raster", "ray"])

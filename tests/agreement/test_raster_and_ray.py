@@ -156,9 +156,7 @@ def test_shared_edges_of_blended_triangles_are_seen_once():
     """A blended surface of many triangles, seen along a pixel grid: no ray meets two of them, none slips through."""
     glass = Lambert(alpha=0.5, alpha_mode="blend")
     for n in (5, 9, 17):
-        scene = scene_of(
-            place(grid(n, 1.0), glass), camera=OrthographicCamera.look_at((0, 1, 0), (0, 0, 0), up=(0, 0, -1), height=2)
-        )
+        scene = scene_of(place(grid(n, 1.0), glass), camera=OrthographicCamera.look_at((0, 1, 0), (0, 0, 0), up=(0, 0, -1), height=2))
         for image in seen_by_both(scene, 33, 33, aovs=()):
             np.testing.assert_array_equal(image.pixels[..., 3], np.float32(0.5))
 

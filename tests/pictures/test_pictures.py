@@ -40,12 +40,13 @@ SIZE = {"width": 96, "height": 64, "samples": 4}
 
 def _still_life() -> Scene:
     """Mirror, glass, cut-out, gloss, texture, spot and lamp."""
+    glass = Lambert(color=(0.9, 0.3, 0.2), alpha=0.45, alpha_mode="blend")
     return scene_of(
         place(Plane(), Lambert(color=1, texture=checkers(2, scale=(0.8, 0.8)))),
         place(Sphere(0.55), BlinnPhong(diffuse=0.05, specular=0.6, exponent=120, mirror=(0.8, 0.8, 0.75)), at=(-0.75, 0.55, 0.0)),
         place(primitives.sphere(0.4, 10), Lambert(texture=checkers(8, alpha=0), alpha_mode="mask"), at=(0.25, 0.4, 0.75)),
         place(Box((0.7, 1.0, 0.6)), BlinnPhong(diffuse=(0.2, 0.35, 0.6), specular=0.4), matrix=_turned(0.8, 0.5, -0.4, 0.5)),
-        place(grid(2, 0.6, transform.rotate_x(math.pi / 2)), Lambert(color=(0.9, 0.3, 0.2), alpha=0.45, alpha_mode="blend"), at=(0.9, 0.6, 0.6)),
+        place(grid(2, 0.6, transform.rotate_x(math.pi / 2)), glass, at=(0.9, 0.6, 0.6)),
         point_light_at((-1.2, 2.2, 1.6), PointLight(color=(1.0, 0.85, 0.7), intensity=9.0)),
         lit_from((1.5, 2.5, 1.0), SpotLight(color=(0.7, 0.8, 1.0), intensity=30.0, inner_degrees=8, outer_degrees=22)),
         Node(lights=(AmbientLight(intensity=0.12),)),

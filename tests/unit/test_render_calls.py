@@ -61,7 +61,7 @@ BAD_CALLS = [
     *[{"max_depth": value} for value in (-1, 1.5, "2", NAN, 10**6)],
     *[{"tile_size": value} for value in (0, 7, 12.5, "x", 10**6)],
     *[{"camera": value} for value in ("front", 3, PerspectiveCamera)],
-    *[{"scene": value} for value in (None, 3, Node(), "no such file.glb", "no such format.xyz")],
+    *[{"scene": value} for value in (None, 3, object(), "no such file.glb", "no such format.xyz")],
 ]
 
 
@@ -73,7 +73,7 @@ def test_bad_calls_get_one_line(call):
     message = str(caught.value)
     assert "\n" not in message
     assert 10 < len(message) < 300
-    (name, *_), (value, *_) = call.keys(), call.values()
+    name = next(iter(call))
     if name != "scene":
         assert name.rstrip("s") in message or "picture" in message
 
@@ -139,7 +139,10 @@ def test_bad_descriptions_are_refused_at_once(name):
 # --- odd scenes -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("scene", [Scene(), scene_of(place(Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32))))], ids=["no node", "no triangle"])
+NO_TRIANGLE = scene_of(place(Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int32))))
+
+
+@pytest.mark.parametrize("scene", [Scene(), NO_TRIANGLE], ids=["no node", "no triangle"])
 def test_nothing_to_see(scene):
     for image in _sound(scene):
         assert not image.pixels.any()
@@ -159,6 +162,7 @@ def test_small_and_narrow_pictures(size):
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
 def test_any_unit_of_length(scale):
     """Metres or micrometres: the picture is the same, framed by limner or by hand."""
+
     def scene(size: float) -> Scene:
         node = Node(parent_from_node=transform.scale(size), children=(place(primitives.sphere(1.0, 24)), place(Box(), at=(1.5, 0, 0))))
         return Scene(node)

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 
-__all__ = ["bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_from_linear"]
+__all__ = [
+    "SrgbCodes", "bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_codes", "srgb_from_linear",
+]  # fmt: skip
 
 _DROPPED_BITS = 12  # of 23 in a float32's fraction: at most one change of code in a bucket of what shares the rest
 _LEAST_BITS = 110 << 23  # of the float32 2^-17, far below the first code that is not 0
@@ -101,7 +103,7 @@ def _checked_gamma(gamma: float) -> float:
     return float(gamma)
 
 
-class _Codes(NamedTuple):
+class SrgbCodes(NamedTuple):
     """What `bytes_from_linear` looks up by bucket: the leading bits of a float32 above those of `_LEAST_BITS`."""
 
     code: NDArray[np.uint16]  # code at the bucket's lower end; 256 is added where it changes inside
@@ -114,7 +116,7 @@ def _rounded(linear: NDArray[np.float32]) -> NDArray[np.int64]:
 
 
 @cache
-def _codes() -> _Codes:
+def srgb_codes() -> SrgbCodes:
     """Find, by bisection on the bits of the float, the least float32 of every code, and sort these into buckets."""
     codes = np.arange(1, 256)
     below = np.full(255, _LEAST_BITS, dtype=np.int32)
@@ -131,7 +133,7 @@ def _codes() -> _Codes:
     change = np.full(len(lower_ends), np.inf, dtype=np.float32)
     change[bucket] = reached[inside].view(np.float32)
     code[bucket] += 256
-    return _Codes(code, change)
+    return SrgbCodes(code, change)
 
 
 def bytes_from_linear(linear: NDArray[Any]) -> NDArray[np.uint8]:
@@ -148,7 +150,7 @@ def bytes_from_linear(linear: NDArray[Any]) -> NDArray[np.uint8]:
     **Source**: IEC 61966-2-1:1999, 5.2; the look-up by leading bits is after F. Giesen (float to sRGB8 in SSE2, 2012), with the
     exact place of each change of code instead of an interpolation.
     """
-    table = _codes()
+    table = srgb_codes()
     flat = np.ascontiguousarray(linear, dtype=np.float32).reshape(-1)
     out = np.empty(flat.shape, dtype=np.uint8)
     for start in range(0, len(flat), _CHUNK):

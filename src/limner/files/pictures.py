@@ -23,7 +23,7 @@ from .limits import Limits
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["PictureError", "Pictures", "picture_format", "read_picture"]
+__all__ = ["PictureError", "Pictures", "open_picture", "picture_format", "read_picture"]
 
 _WORKERS = 4
 
@@ -59,10 +59,11 @@ def read_picture(data: bytes | memoryview, limits: Limits) -> NDArray[np.uint8]:
 
     Raises PictureError for what is no picture, is cut off, or is larger than the limits.
     """
-    return _decode(_open(data, limits))
+    return _decode(open_picture(data, limits))
 
 
-def _open(data: bytes | memoryview, limits: Limits) -> Image:
+def open_picture(data: bytes | memoryview, limits: Limits) -> Image:
+    """Return Pillow's picture with its header read and its size checked, no pixel decoded; raises PictureError."""
     name = picture_format(data)
     if not name:
         ktx = "; KTX2 textures are not supported" if bytes(data[1:4]) == b"KTX" else ""
@@ -128,7 +129,7 @@ class Pictures:
             if key in self._pixels or key in opened:
                 continue
             try:
-                opened[key] = self._within_budget(_open(give(), self._limits))
+                opened[key] = self._within_budget(open_picture(give(), self._limits))
             except LimnerError as error:
                 self._pixels[key] = error
         if len(opened) > 1 and (os.cpu_count() or 1) > 1:

@@ -37,15 +37,17 @@ class Recipe(Mapping[str, Any]):
         self._later = {key: give for key, give in (later or {}).items() if key not in self._values}
 
     def __getitem__(self, key: str) -> Any:
-        if key in self._later:
-            self._values[key] = self._later.pop(key)()
+        give = self._later.get(key)
+        if give is not None:
+            self._values[key] = give()
+            self._later.pop(key, None)
         return self._values[key]
 
     def __iter__(self) -> Iterator[str]:
-        return iter([*self._values, *self._later])
+        return iter(list(dict.fromkeys([*self._values, *self._later])))
 
     def __len__(self) -> int:
-        return len(self._values) + len(self._later)
+        return len({*self._values, *self._later})
 
     def __repr__(self) -> str:
         return f"Recipe({', '.join(self)})"

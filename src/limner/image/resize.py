@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from .image import straight
 from .reconstruct import Reconstruction, Taps, reconstruction, taps
 from .separable import filtered
 
 __all__ = ["MAX_SIDE", "resized"]
 
 MAX_SIDE = 32768
-_INVISIBLE = 1e-4  # an alpha below which a colour would be nothing but the filter's ringing divided by nearly zero
 
 
 def resized(pixels: NDArray[np.float32], width: int, height: int, filter: str = "mitchell") -> NDArray[np.float32]:
@@ -51,12 +51,7 @@ def resized(pixels: NDArray[np.float32], width: int, height: int, filter: str = 
         opaque[..., :3] = filtered(pixels[..., :3], down, across)
         return opaque
     weighted = np.concatenate([pixels[..., :3].astype(np.float64) * alpha, alpha], axis=2)
-    made = filtered(weighted, down, across)
-    cover = made[..., 3:]
-    seen = cover > _INVISIBLE
-    made[..., :3] = np.where(seen, made[..., :3], 0.0) / np.where(seen, cover, 1.0)
-    made[..., 3] = np.clip(made[..., 3], 0.0, 1.0)
-    return made.astype(np.float32)
+    return straight(filtered(weighted, down, across)).astype(np.float32)
 
 
 def _axis(n_old: int, n_new: int, kind: Reconstruction) -> Taps:

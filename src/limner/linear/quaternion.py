@@ -23,6 +23,8 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+_ROUNDING = 1e-20  # of a unit vector's last digit, what is left after taking it away twice
+
 
 def normalized(quaternion: ArrayLike) -> Floats:
     """Make quaternions unit; one of length zero becomes (0, 0, 0, 1), which turns nothing."""
@@ -163,15 +165,19 @@ def between(start: ArrayLike, end: ArrayLike) -> Floats:
         Unit, w >= 0.
     """
     a, b = _unit(start), _unit(end)
-    middle = a + b
-    length = np.linalg.norm(middle, axis=-1, keepdims=True)
-    # The half way direction m is turned to from a by half the angle: (a x m, a.m), in which nothing cancels but at the very opposite.
-    opposite = length < 1e-12
-    m = middle / np.where(opposite, 1.0, length)
-    q = np.concatenate([np.cross(a, m), np.sum(a * m, axis=-1, keepdims=True)], axis=-1)
+    # cos and sin of half the angle, in which nothing cancels, and the direction at right angles to a in which b lies.
+    cosine, sine = np.linalg.norm(a + b, axis=-1, keepdims=True) / 2.0, np.linalg.norm(a - b, axis=-1, keepdims=True) / 2.0
+    aside = _across(_across(a + b, a), a)
+    length = np.linalg.norm(aside, axis=-1, keepdims=True)
     least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]
-    aside = np.concatenate([np.cross(a, least), np.zeros_like(length)], axis=-1)
-    return normalized(np.where(opposite, aside, q))
+    lies_aside = length > _ROUNDING
+    axis = np.where(lies_aside, np.cross(a, aside / np.where(lies_aside, length, 1.0)), _unit(np.cross(a, least)))
+    return normalized(np.concatenate([axis * sine, cosine], axis=-1))
+
+
+def _across(v: Floats, a: Floats) -> Floats:
+    """The part of v at right angles to the unit vector a."""
+    return np.asarray(v - np.sum(v * a, axis=-1, keepdims=True) * a)
 
 
 def angle_between(start: ArrayLike, end: ArrayLike) -> Floats:

@@ -30,7 +30,7 @@ def draw_aov_tile(
     farthest = camera["near"] / camera["far"] if camera["kind"] == PERSPECTIVE else ZERO
     for p in range(columns * rows):
         depth[p], seen[p] = farthest, i32(-1)
-    fill_opaque(screen, binned, bin_range[tile], bin_range[tile + 1], window, 0, 0, camera, scene, frame, depth, seen)
+    fill_opaque(screen, binned, bin_range[tile], bin_range[tile + 1], window, 0, 0, camera, scene, frame, depth, seen, 0)
     for p in range(columns * rows):
         if seen[p] >= 0:
             i, j = first_column + p % columns, first_row + p // columns

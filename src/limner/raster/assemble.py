@@ -71,8 +71,9 @@ def _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, corners, camera, facing,
         return 0
     if area < 0:
         x1, y1, x2, y2 = x2, y2, x1, y1
-    xr = (min(x0, min(x1, x2)) + max(x0, max(x1, x2))) // (2 * SUBPIXELS)
-    yr = (min(y0, min(y1, y2)) + max(y0, max(y1, y2))) // (2 * SUBPIXELS)
+    # Within the picture: far outside, where large triangles have their middle, float32 would leave nothing of the depth inside.
+    xr = min(max((min(x0, min(x1, x2)) + max(x0, max(x1, x2))) // (2 * SUBPIXELS), 0), np.int64(camera["width"]))
+    yr = min(max((min(y0, min(y1, y2)) + max(y0, max(y1, y2))) // (2 * SUBPIXELS), 0), np.int64(camera["height"]))
     a, b, c = corners
     fits, z, dzdx, dzdy = _depth_plane(a, b, c, xr, yr, camera)
     if not fits:

@@ -68,10 +68,10 @@ def _bounds(screen_triangle, window, ox: int, oy: int):
 
 
 @kernel
-def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen):
+def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen, offset):
     """Draw a tile's opaque and masked triangles into its depth buffer and `seen`, the row of the screen triangle or -1.
 
-    (ox, oy) is the sample's place in its pixel, on the subpixel grid.
+    (ox, oy) is the sample's place in its pixel, on the subpixel grid; `seen` is filled from `offset` on.
     """
     for k in range(first, last):
         t = screen[binned[k]]
@@ -97,7 +97,7 @@ def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, fram
                     z = zy + t["dzdx"] * (f32(i - t["x_reference"]) + fx)
                     if z > depth[place + i] and (t["alpha_mode"] != MASK or _covers(t, f32(i) + fx, f32(j) + fy, camera, scene, frame)):
                         depth[place + i] = z
-                        seen[place + i] = binned[k]
+                        seen[offset + place + i] = binned[k]
                 elif entered:
                     break  # a triangle is convex: its row has one run
                 e0 += step0

@@ -69,7 +69,7 @@ _DRAW = Door(
     "draw_tile",
     (
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
-        Array(np.int32, 1), Array(np.int64, 1), _I64, Array(np.int32, 2), Array(np.float32, 1),
+        Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, Array(np.int32, 2), Array(np.float32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
         Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
@@ -132,6 +132,7 @@ def prepare(
     *,
     threads: int,
     tile_size: int = TILE_SIZE,
+    multisample: int = 0,
 ) -> Callable[[Tile, int, int], None]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
 
@@ -144,19 +145,24 @@ def prepare(
         Radiance and alpha of what lies behind everything, where no sky does.
     film : (height, width, 4) float32
         Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
+    multisample : int
+        0: every sample is shaded; n: samples come n at a time, and what covers several is shaded once.
     """
     height, width = film.shape[:2]
     vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
-    scratch = _Scratch(tile_size * tile_size)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
-    def draw_tile(tile: Tile, first_sample: int, last_sample: int) -> None:
-        _DRAW(
-            *tables, *lighting, view.camera, *vertices, *bins, has_blend, sample_places, background, *scratch.arrays, film, *tile,
-            first_sample, last_sample,
-        )  # fmt: skip
+    class Worker(threading.local):
+        """The kernel with all that stays, converted once for each thread."""
 
-    return draw_tile
+        def __init__(self) -> None:
+            scratch = _Scratch(tile_size * tile_size, max(1, multisample)).arrays
+            self.draw = _DRAW.bind(
+                *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, sample_places, background, *scratch, film
+            )
+
+    worker = Worker()
+    return lambda tile, first_sample, last_sample: worker.draw(*tile, first_sample, last_sample)
 
 
 def draw_channels(
@@ -263,7 +269,7 @@ def _bin(screen: NDArray[np.void], chunks: list[tuple[int, int]], width: int, he
 class _Scratch(threading.local):
     """What a tile needs while it is drawn, once for each thread."""
 
-    def __init__(self, n: int) -> None:
+    def __init__(self, n: int, samples: int = 1) -> None:
         def floats() -> NDArray[np.float32]:
             return np.empty(n, dtype=np.float32)
 
@@ -271,4 +277,4 @@ class _Scratch(threading.local):
             return np.empty(n, dtype=np.int32)
 
         layers = np.empty((n, 3), dtype=np.float32)
-        self.arrays = (floats(), rows(), floats(), rows(), floats(), rows(), layers, floats())
+        self.arrays = (floats(), np.empty(n * samples, dtype=np.int32), floats(), rows(), floats(), rows(), layers, floats())

@@ -115,16 +115,19 @@ def prepare(
         How often a ray is reflected at most.
     shadows : bool
     """
-    scratch = _Scratch()
     has_alpha = _has_alpha(tables)
 
-    def trace_tile(tile: Tile, first_sample: int, last_sample: int) -> None:
-        _TRACE(
-            *tables, *tree, *lighting, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch.arrays, film,
-            *tile, first_sample, last_sample,
-        )  # fmt: skip
+    class Worker(threading.local):
+        """The kernel with all that stays, converted once for each thread."""
 
-    return trace_tile
+        def __init__(self) -> None:
+            scratch = _Scratch().arrays
+            self.trace = _TRACE.bind(
+                *tables, *tree, *lighting, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch, film
+            )
+
+    worker = Worker()
+    return lambda tile, first_sample, last_sample: worker.trace(*tile, first_sample, last_sample)
 
 
 def prepare_paths(
@@ -139,16 +142,17 @@ def prepare_paths(
     seed: int,
 ) -> Callable[[Tile, int, int], None]:
     """Make ready to trace paths; as `prepare`. `max_depth` is how often light is scattered at most."""
-    scratch = _Scratch()
     has_alpha = _has_alpha(tables)
 
-    def trace_tile(tile: Tile, first_sample: int, last_sample: int) -> None:
-        _TRACE_PATH(
-            *tables, *tree, *lighting, *view, background, has_alpha, max_depth, seed, scratch.arrays[1], film, *tile, first_sample,
-            last_sample,
-        )  # fmt: skip
+    class Worker(threading.local):
+        """The kernel with all that stays, converted once for each thread."""
 
-    return trace_tile
+        def __init__(self) -> None:
+            stack = _Scratch().arrays[1]
+            self.trace = _TRACE_PATH.bind(*tables, *tree, *lighting, *view, background, has_alpha, max_depth, seed, stack, film)
+
+    worker = Worker()
+    return lambda tile, first_sample, last_sample: worker.trace(*tile, first_sample, last_sample)
 
 
 def _has_alpha(tables: SceneTables) -> int:

@@ -31,7 +31,7 @@ def near_and_far(camera: Camera, bounds: NDArray[np.float64]) -> tuple[float, fl
     reach = float(np.linalg.norm(np.maximum(np.abs(low - eye), np.abs(high - eye)))) if bounded else 1.0
     if isinstance(camera, PerspectiveCamera):
         far = camera.far if camera.far is not None else math.inf
-        near = camera.near if camera.near is not None else min(max(1e-5 * reach, 1e-12), far / 2.0)
+        near = camera.near if camera.near is not None else min(max(1e-6 * reach, 1e-12), far / 2.0)
         return near, far
     nearest = camera.near if camera.near is not None else 0.0
     far = camera.far if camera.far is not None else max(2.0 * reach, 2.0 * nearest, 1e-3)

@@ -30,9 +30,7 @@ def _clip_each(triangles, near, polygons, scratch, counts):
 def _clipped(triangles: NDArray[np.float64], near: float = NEAR) -> tuple[list[NDArray[np.float64]], NDArray[np.bool_]]:
     n = len(triangles)
     polygons, counts = np.zeros((n, MAX_CLIPPED, 4), np.float32), np.zeros((n, 2), np.int64)
-    door = door_of(
-        _clip_each, Array(np.float32, 3), Array(np.float32, 1), Array(np.float32, 3), Array(np.float32, 2), Array(np.int64, 2)
-    )
+    door = door_of(_clip_each, Array(np.float32, 3), Array(np.float32, 1), Array(np.float32, 3), Array(np.float32, 2), Array(np.int64, 2))
     scratch = np.zeros((MAX_CLIPPED, 4), np.float32)
     door(np.ascontiguousarray(triangles, np.float32), np.full(1, near, np.float32), polygons, scratch, counts)
     return [polygon[:count].astype(np.float64) for polygon, count in zip(polygons, counts[:, 0], strict=True)], counts[:, 1] == 1
@@ -64,7 +62,7 @@ def test_what_is_kept_lies_inside_and_on_the_triangle():
     """Each vertex is a combination of the triangle's three with weights in [0, 1] that sum to 1, so that attributes survive."""
     triangles = _random()
     polygons, _ = _clipped(triangles)
-    assert 100 < sum(len(p) > 3 for p in polygons)
+    assert sum(len(p) > 3 for p in polygons) > 100
     for triangle, polygon in zip(triangles, polygons, strict=True):
         if len(polygon) == 0:
             continue

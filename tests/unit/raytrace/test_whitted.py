@@ -85,6 +85,7 @@ def test_shadow_edge_of_the_sun():
 
 def test_half_transparent_surfaces_let_half_of_the_light_through():
     """A pane of alpha a leaves 1 - a, two leave its square; what is masked out leaves all (FoCG 4.7, 13.1)."""
+
     def shadow(*panes: Lambert) -> float:
         nodes = [place(grid(2, 1.0), pane, at=(0, 1.0 + 0.1 * k, 0)) for k, pane in enumerate(panes)]
         camera = PerspectiveCamera.look_at((0, 0.5, 3), (0, 0, 0), yfov_degrees=2)
@@ -113,6 +114,7 @@ def test_blended_spheres_and_planes_throw_thin_shadows_too():
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e3, 1e6])
 def test_no_acne_at_any_scale(size):
     """The same scene in other units gives the same picture: nothing shades itself, no shadow leaves its foot."""
+
     def scene(size: float) -> Scene:
         camera = PerspectiveCamera.look_at(np.array((1.5, 1.2, 2.5)) * size, (0, 0.4 * size, 0), yfov_degrees=45)
         ball = place(primitives.sphere(0.5 * size, 24), at=(-0.6 * size, 0.5 * size, 0))
@@ -150,7 +152,7 @@ def test_a_mirror_shows_the_point_behind_it():
     scene = scene_of(place(wall, MIRROR), place(Sphere(0.02), LAMP, at=place_of_lamp), DARK, camera=camera)
     pixels = _ray(scene, 201, 201, samples=4)[..., 0]
     frame = np.linalg.inv(camera.world_from_camera)
-    for point, window in ((place_of_lamp, None), (place_of_lamp * (1, 1, -1), None)):
+    for point in (place_of_lamp, place_of_lamp * (1, 1, -1)):
         x, y, z, _ = frame @ (*point, 1)
         column = 100 + x / -z / camera.half_height() * 100.5
         row = 100 - y / -z / camera.half_height() * 100.5

@@ -138,7 +138,8 @@ def test_coordinates_of_the_sphere(renderer):
     hit = image.aov["instance_id"] == 0
     x, y, z = (image.aov["position"][hit].astype(np.float64) - (0.2, 0, 0)).T / 1.5
     np.testing.assert_allclose(x * x + y * y + z * z, 1.0, atol=2e-6)
-    np.testing.assert_allclose(image.aov["uv"][hit], np.stack([0.5 + np.arctan2(-z, x) / (2 * np.pi), 1 - np.arccos(y) / np.pi], 1), atol=1e-5)
+    expected = np.stack([0.5 + np.arctan2(-z, x) / (2 * np.pi), 1 - np.arccos(y) / np.pi], axis=1)
+    np.testing.assert_allclose(image.aov["uv"][hit], expected, atol=1e-5)
     np.testing.assert_allclose(image.aov["normal"][hit], np.stack([x, y, z], 1), atol=2e-6)
 
 
@@ -196,6 +197,7 @@ def test_folding_is_exact(wrap):
 
 def test_a_normal_map_leans_the_normal():
     """Green leans it along the bitangent, up the texture; flat blue changes nothing (glTF 2.0, 3.9.3)."""
+
     def normal_for(rgb: tuple[int, int, int], scale: float = 1.0) -> NDArray[np.float64]:
         texels = np.full((2, 2, 4), (*rgb, 255), np.uint8)
         bumpy = MetallicRoughness(metallic=0.0, normal_texture=Texture(Texels(texels, srgb=False)), normal_scale=scale)

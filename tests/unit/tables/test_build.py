@@ -100,7 +100,10 @@ def test_hidden_nodes_hide_their_own_children_only():
     assert [placed.path for placed, _ in scene.shapes()] == ["body/leg/foot"]
 
 
-@pytest.mark.parametrize("camera", [CAMERA, OrthographicCamera.look_at((3, 2, 5), (0, 0, 0), height=3.0)], ids=["perspective", "orthographic"])
+PARALLEL = OrthographicCamera.look_at((3, 2, 5), (0, 0, 0), height=3.0)
+
+
+@pytest.mark.parametrize("camera", [CAMERA, PARALLEL], ids=["perspective", "orthographic"])
 def test_rays_and_vertices_meet_in_the_same_pixel(camera):
     """The ray through raster point (x, y), at depth t, goes to (x w, y w, t, w): the two ways the tables hold a camera."""
     width, height, near, far = 61, 37, 0.5, 40.0

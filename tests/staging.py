@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+from limner._jit import MODE
 from limner.image.image import Image
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
@@ -20,10 +22,12 @@ from limner.scene.shape import Geometry, Shape
 from limner.scene.texture import Texels, Texture
 
 __all__ = [
+    "SLOW_AS_PYTHON",
     "WHITE", "checkers", "flat_picture", "grid", "interior", "lit_from", "place", "point_light_at", "scene_of", "seen_by_both",
     "two_triangles",
 ]  # fmt: skip
 
+SLOW_AS_PYTHON = pytest.mark.skipif(MODE != "compiled", reason="takes minutes where kernels run as Python")
 WHITE = Lambert(color=(1.0, 1.0, 1.0))
 
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._door import Array, Door, Scalar
+from ._door import Array, Door, Scalar, Signature
 from .color.transfer import srgb_codes
 from .tiles import Tile, run_all, tiles_of
 
 __all__ = ["Film"]
 
-_ROWS = (Array(np.float32, 3), Array(np.float32, 1), *[Scalar(np.int64)] * 4)
+_ROWS: Signature = (Array(np.float32, 3), Array(np.float32, 1), *[Scalar(np.int64)] * 4)
 _DEVELOP = Door("limner.film_kernel", "develop_rows", (*_ROWS, Array(np.float32, 3), Array(np.int64, 1)), "developing")
 _ENCODE = Door(
     "limner.film_kernel",

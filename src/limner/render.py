@@ -27,6 +27,7 @@ from .aov import CHANNELS, channels, empty_values, with_solid_blends
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
 from .image.image import Image
+from .image.recipe import Recipe
 from .progress import Meter, OnProgress
 from .raster import pipeline
 from .raytrace import driver
@@ -370,13 +371,13 @@ class Renderer:
     def _developed(self, frame: _Frame, extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
         pixels, self.slips = frame.film.developed(self._threads)
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
-        recipe = self._recipe(frame, int(frame.film.taken.min()))
+        recipe = self._recipe(frame, int(frame.film.taken.min()), finished=finished)
         return Image(pixels, extra, id_names, recipe, (*frame.messages, *self.slips), finished)
 
-    def _recipe(self, frame: _Frame, samples: int) -> dict[str, Any]:
+    def _recipe(self, frame: _Frame, samples: int, *, finished: bool) -> Recipe:
         from . import __version__
 
-        return {
+        values: dict[str, Any] = {
             "limner": __version__,
             "renderer": self._renderer,
             "width": self._width,
@@ -386,8 +387,20 @@ class Renderer:
             "max_depth": self._max_depth,
             "shadows": self._shadows,
             "antialiasing": "multisample" if self._multisample else "supersample",
+            "default_lights": self._default_lights,
             "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
         }
+        if not finished:
+            values["finished"] = False
+        scene = frame.scene
+        return Recipe(values, {"scene": lambda: _digest(scene)})
+
+
+def _digest(scene: Scene) -> str:
+    """What a recipe says about the scene; the camera stands beside it."""
+    from .scene.digest import scene_digest
+
+    return scene_digest(scene.replace(camera=None))
 
 
 def _check(width: int, height: int, renderer: str, samples: int | None, seed: int, max_depth: int, tile_size: int | None) -> None:

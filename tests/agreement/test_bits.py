@@ -95,6 +95,7 @@ def test_kernels_are_compiled_once(for_any_cpu, record_property):
     assert not twice, "".join(f"\n{name}: {_where_they_differ(types)}" for name, types in twice.items())
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("renderer", ["raster", "ray"])
 def test_threads_and_tiles_change_nothing(renderer):
     """A picture and its channels are the same bits on 1, 2 and 7 threads, in tiles of 16, 64 and 100 pixels."""
@@ -109,6 +110,7 @@ def test_threads_and_tiles_change_nothing(renderer):
                 np.testing.assert_array_equal(image.aov[name], images[0].aov[name])
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("renderer", ["raster", "ray"])
 def test_rendering_twice_is_rendering_once(renderer):
     """No state is left between pictures, and the camera's place in a larger picture's tiles is none either."""

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from staging import checkers, grid, interior, lit_from, place, scene_of, seen_by_both, two_triangles
+from staging import SLOW_AS_PYTHON, checkers, grid, interior, lit_from, place, scene_of, seen_by_both, two_triangles
 
 from limner.aov import CHANNELS
 from limner.files.load import load
@@ -121,6 +121,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("name", SCENES)
 def test_procedural_scenes(name):
     """Ids, every channel and colours agree on every kind of shape, material, light and camera."""
@@ -129,12 +130,14 @@ def test_procedural_scenes(name):
     assert (raster.aov["instance_id"] >= 0).mean() > 0.2
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("name", BUILTINS)
 def test_builtin_scenes(name):
     raster, ray = seen_by_both(builtin(name), 160, 120, aovs=CHANNELS)
     _agree(raster, ray, at_edges=0.002)
 
 
+@SLOW_AS_PYTHON
 def test_blended_surfaces():
     """Layers of glass over each other, in any order of drawing: equal up to the order of the sums."""
     glass = Lambert(color=(0.2, 0.7, 0.3), alpha=0.4, alpha_mode="blend")
@@ -152,6 +155,7 @@ def test_blended_surfaces():
     assert not (differs & interior(ids) & interior(ray.aov["instance_id"])).mean() > 0.004  # edges of what is half transparent
 
 
+@SLOW_AS_PYTHON
 def test_shared_edges_of_blended_triangles_are_seen_once():
     """A blended surface of many triangles, seen along a pixel grid: no ray meets two of them, none slips through."""
     glass = Lambert(alpha=0.5, alpha_mode="blend")
@@ -192,6 +196,7 @@ def test_points_are_where_their_pixel_is(camera):
         np.testing.assert_allclose(y[near], row[near], atol=2e-3)
 
 
+@SLOW_AS_PYTHON
 def test_a_triangle_through_the_eye_plane():
     """Vertices behind the eye, beside it, and on its very plane: clipped, and seen as the ray tracer sees them."""
     random = np.random.default_rng(4)
@@ -221,6 +226,7 @@ MODELS = (
 )
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.filterwarnings("ignore::limner.errors.LimnerWarning")
 def test_models(name):

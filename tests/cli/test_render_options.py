@@ -152,7 +152,7 @@ def test_json_tells_all(limner: Callable[..., Any], engine: Any) -> None:
     told = json.loads(done.out)
     assert (told["output"], told["width"], told["height"], told["finished"]) == ("a.exr", 4, 3, True)
     assert set(told["seconds"]) == {"load", "render", "save"}
-    assert (told["recipe"], told["aovs"]) == ({"seed": 8}, ["depth"])
+    assert (told["recipe"], told["aovs"]) == ({"seed": 8, "model": "./m"}, ["depth"])
     assert (told["warnings"], told["notes"]) == (["no light"], ["extension EXT_nothing is ignored"])
 
 

@@ -21,7 +21,7 @@ from PIL import Image as Pillow
 FOLDER = Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER.parent))
 
-from staging import checkers, grid, lit_from, place, point_light_at, scene_of  # noqa: E402
+from staging import SLOW_AS_PYTHON, checkers, grid, lit_from, place, point_light_at, scene_of  # noqa: E402
 
 from limner.image.image import Image  # noqa: E402
 from limner.linear import transform  # noqa: E402
@@ -80,6 +80,7 @@ PICTURES: dict[str, Callable[[], Image]] = {
 }
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("name", PICTURES)
 def test_the_picture_has_not_changed(name, tmp_path):
     """On a difference its amplified picture is left beside the new one in the test's own folder."""

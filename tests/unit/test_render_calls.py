@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from staging import checkers, grid, lit_from, place, point_light_at, scene_of
+from staging import SLOW_AS_PYTHON, checkers, grid, lit_from, place, point_light_at, scene_of
 
 from limner.aov import CHANNELS
 from limner.errors import LimnerError, LimnerWarning
@@ -159,6 +159,7 @@ def test_small_and_narrow_pictures(size):
         assert image.pixels[..., 3].max() > 0.3
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1e3, 1e6])
 def test_any_unit_of_length(scale):
     """Metres or micrometres: the picture is the same, framed by limner or by hand."""
@@ -179,6 +180,7 @@ def test_lengths_beyond_measure(scale):
             assert np.isfinite(_small(Scene(place(geometry, matrix=transform.scale(scale))), renderer=name, aovs=CHANNELS).pixels).all()
 
 
+@SLOW_AS_PYTHON
 def test_a_camera_on_a_surface_and_within_solids():
     for eye in ((0, 0, 1), (0, 0, 0.5), (0, 0, 0), (0, 0, 1 - 1e-7)):
         for geometry in (Sphere(1.0), Box((2, 2, 2)), primitives.sphere(1.0, 12)):
@@ -192,6 +194,7 @@ def checkers_on() -> Lambert:
     return Lambert(texture=checkers())
 
 
+@SLOW_AS_PYTHON
 def test_shapes_that_are_flattened_or_have_no_area():
     line = Mesh(np.array([[0, 0, 0], [1, 1, 0], [2, 2, 0]], np.float32), np.array([[0, 1, 2]], np.int32))
     point = Mesh(np.zeros((3, 3), np.float32), np.array([[0, 1, 2], [0, 0, 0]], np.int32), normals=np.zeros((3, 3), np.float32))
@@ -235,6 +238,7 @@ def test_lights_where_they_should_not_be():
         assert any("not finite" in message for message in image.warnings)
 
 
+@SLOW_AS_PYTHON
 def test_more_layers_than_can_be_told_apart():
     """A hundred panes of glass: all but black behind them, and no endless loop."""
     pane = Lambert(color=0, alpha=0.5, alpha_mode="blend")
@@ -259,6 +263,7 @@ class _After:
         return self.left < 0
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("interrupt", [False, True], ids=["cancel", "Ctrl+C"])
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("renderer", BOTH)
@@ -293,6 +298,7 @@ def test_errors_in_a_callback_are_the_callers():
         _small(on_progress=fail)
 
 
+@SLOW_AS_PYTHON
 def test_two_pictures_at_once():
     """Two threads, two scenes, no state between them."""
     scenes = [BALL, scene_of(place(Box(), checkers_on()))] * 3

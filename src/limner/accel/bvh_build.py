@@ -113,9 +113,9 @@ def _best_split(bounds, order, first: int, last: int, bins):
     best, best_axis, best_bin = _INFINITY, -1, 0
     for axis in range(3):
         low, high = _center_range(bounds, order, first, last, axis)
-        if not low < high:
-            continue
         scale = f32(_BINS) / (high - low)
+        if not (low < high and high - low < _INFINITY and scale < _INFINITY):
+            continue
         for b in range(_BINS):
             _clear(bins, b)
         for i in range(first, last):

@@ -150,6 +150,88 @@ def dataset(talk: Talk, /, **options: Any) -> None:
     make_dataset(order, talk)
 
 
+@limner.command(short_help="Tell how different two pictures are.")
+@click.argument("reference", metavar="A")
+@click.argument("test", metavar="B")
+@click.option("-o", "--output", metavar="OUT", help="A picture of where they differ.")
+@click.option("--picture", type=click.Choice(["flip", "absolute"]), default="flip", show_default=True, help="What OUT shows.")
+@click.option("--gain", type=click.FloatRange(0.0, min_open=True), default=10.0, show_default=True, help="Of --picture absolute.")
+@click.option(
+    "--metric", type=click.Choice(["rmse", "rel_mse", "psnr", "ssim", "flip"]), default="flip", show_default=True,
+    help="What --fail-above and --fail-below look at.",
+)  # fmt: skip
+@click.option("--fail-above", type=float, metavar="X", help="Differ, for rmse, rel_mse and flip, means above X.")
+@click.option("--fail-below", type=float, metavar="X", help="Differ, for psnr and ssim, means below X.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@_voice
+@click.pass_obj
+def compare(talk: Talk, /, **options: Any) -> None:
+    """Tell how different the pictures A (the reference) and B are.
+
+    The code is 0 where they are alike, 1 where they differ: in any bit, or beyond the threshold where there is one.
+
+    \b
+        limner compare before.png after.png -o difference.png
+        limner compare reference.exr noisy.exr --metric rmse --fail-above 0.02
+    """
+    from .compare import Order
+    from .compare import compare as run
+
+    run(Order(**options), talk)
+
+
+@limner.command(short_help="Make a picture again from its recipe; do the bits agree?")
+@click.argument("picture")
+@click.option("--model", metavar="MODEL", help="What it is a picture of, where its recipe does not say or it has moved.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@_voice
+@click.pass_obj
+def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_json: bool) -> None:
+    """Make PICTURE again from the recipe in it, and say whether the bits agree: code 0 if so, 1 if not.
+
+    \b
+        limner verify teapot.png
+        limner verify old.exr --model ../models/car.glb
+    """
+    from .verify import verify as run
+
+    run(picture, model, threads, as_json, talk)
+
+
+@limner.command(short_help="Write a picture in another format, size or number of bits, or as a printer's dots.")
+@click.argument("source", metavar="PICTURE")
+@click.argument("output", metavar="OUT")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), help="Columns.  [default: as --height has it]")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), help="Rows.  [default: as --width has it]")
+@click.option(
+    "--filter", type=click.Choice(["box", "tent", "gaussian", "mitchell", "lanczos3"]), default="mitchell", show_default=True,
+    help="How pixels are made of others.",
+)  # fmt: skip
+@click.option("--bits", type=click.Choice([1, 8, 16, 32]), help="Of each channel: PNG 1, 8, 16; EXR 16, 32.")
+@click.option(
+    "--dither", type=click.Choice(["ordered", "blue_noise", "random", "floyd_steinberg"]), help="How rounding is spread.",
+)  # fmt: skip
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="For --dither.")
+@click.option("--dpi", type=click.FloatRange(0.0, min_open=True), help="Pixels per inch on paper.")
+@click.option("--halftone", type=click.FloatRange(0.0, min_open=True), metavar="LPI", help="Screen it for a printer of --dpi: lines per inch.")
+@click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
+@click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
+@_voice
+@click.pass_obj
+def convert(talk: Talk, /, **options: Any) -> None:
+    """Write PICTURE to OUT, whose extension says the format; - is a PNG on standard output.
+
+    \b
+        limner convert render.exr small.png --width 640
+        limner convert photo.jpg print.png --width 2400 --dpi 600 --halftone 75
+    """
+    from .convert import Order
+    from .convert import convert as run
+
+    run(Order(**options), talk)
+
+
 @limner.command(short_help="Compile everything now instead of at the first picture.")
 @_voice
 @click.pass_obj

@@ -83,6 +83,7 @@ def make_picture(order: Order, talk: Talk) -> None:
         )
     rendered = time.perf_counter()
     talk.warn(image.warnings)
+    image = _with_origin(image, order)
     image.save(order.output)
     saved = time.perf_counter()
 
@@ -93,6 +94,20 @@ def make_picture(order: Order, talk: Talk) -> None:
         talk.code = INTERRUPTED
     if order.as_json:
         _tell(order, scene, image, seconds)
+
+
+def _with_origin(image: Image, order: Order) -> Image:
+    """Let the recipe say where the model is: `limner verify` needs no more."""
+    from dataclasses import replace
+
+    from ..image.recipe import Recipe
+    from ..produce.again import origin
+
+    told = origin(
+        order.model, order.output, environment=order.environment, ground=order.ground, background=order.background
+    )
+    recipe = image.recipe if isinstance(image.recipe, Recipe) else Recipe(image.recipe)
+    return replace(image, recipe=recipe.with_values(**told))
 
 
 def chosen_camera(order: Order, scene: Scene) -> Camera | None:

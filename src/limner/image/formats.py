@@ -102,7 +102,8 @@ def _recipe(image: Image, options: Options) -> str:
     saved = {name: value for name, value in options._asdict().items() if value != usual._asdict()[name]}
     if saved.get("bits") in (8, 32):
         del saved["bits"]
-    return recipe_text({**image.recipe, "saved": saved} if saved else image.recipe)
+    told = {key: value for key, value in image.recipe.items() if key != "saved"}
+    return recipe_text({**told, "saved": saved} if saved else told)
 
 
 # --- for screens ------------------------------------------------------------------------------------------------------------

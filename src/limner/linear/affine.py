@@ -20,7 +20,7 @@ __all__ = ["about", "affine", "identity", "in_order", "transform_points", "trans
 
 Matrix = NDArray[np.float64]
 
-# Points that are transformed at once: their block and its image stay in the cache between the product and the translation.
+# Points that are transformed at once: they and their images stay in the cache between the product and the move after it.
 _BLOCK = 4096
 
 
@@ -143,27 +143,12 @@ def transform_points(matrix: ArrayLike, points: ArrayLike) -> Matrix:
 
     **Source**: FoCG 6.3: the homogeneous coordinate of a point is 1.
     """
-    p, m = np.asarray(points, dtype=np.float64), np.asarray(matrix, dtype=np.float64)
-    n = p.shape[-1]
+    m, p, n = _fitting(matrix, points)
     if m.shape[-1] == n:
         return _matvec(m, p)
     if m.ndim > 2:
         return _matvec(m[..., :n, :n], p) + m[..., :n, n]
-    if p.size <= _BLOCK * n:
-        return p @ m[:n, :n].T + m[:n, n]
-    return _moved_in_blocks(m[:n, :n], m[:n, n], p.reshape(-1, n)).reshape(p.shape)
-
-
-def _moved_in_blocks(linear: Matrix, translation: Matrix, points: Matrix) -> Matrix:
-    """Numbers of a block are added as one long row: a row of three at a time would cost more than the product."""
-    moved, turned = np.empty_like(points), np.ascontiguousarray(linear.T)
-    added = np.tile(translation, _BLOCK)
-    for start in range(0, len(points), _BLOCK):
-        block = moved[start : start + _BLOCK]
-        np.matmul(points[start : start + _BLOCK], turned, out=block)
-        row = block.reshape(-1)
-        row += added[: row.size]
-    return moved
+    return _matvec(m[:n, :n], p, m[:n, n])
 
 
 def transform_vectors(matrix: ArrayLike, vectors: ArrayLike) -> Matrix:
@@ -180,14 +165,39 @@ def transform_vectors(matrix: ArrayLike, vectors: ArrayLike) -> Matrix:
 
     **Source**: FoCG 6.3: the homogeneous coordinate of a vector is 0.
     """
-    v, m = np.asarray(vectors, dtype=np.float64), np.asarray(matrix, dtype=np.float64)
-    n = v.shape[-1]
+    m, v, n = _fitting(matrix, vectors)
     return _matvec(m[..., :n, :n], v)
 
 
-def _matvec(linear: Matrix, vectors: Matrix) -> Matrix:
+def _fitting(matrix: ArrayLike, values: ArrayLike) -> tuple[Matrix, Matrix, int]:
+    m, v = np.asarray(matrix, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    n = v.shape[-1] if v.ndim else 0
+    if m.ndim < 2 or m.shape[-2] != m.shape[-1] or m.shape[-1] not in (n, n + 1):
+        raise SceneError(f"points of shape {v.shape} need matrices of shape (..., {n}, {n}) or (..., {n + 1}, {n + 1}), got {m.shape}")
+    return m, v, n
+
+
+def _matvec(linear: Matrix, vectors: Matrix, translation: Matrix | None = None) -> Matrix:
+    """The product, and the move after it where one matrix moves everything."""
     if linear.ndim == 2:
-        return vectors @ linear.T
+        n = linear.shape[0]
+        if vectors.size > _BLOCK * n:
+            return _in_blocks(linear, vectors.reshape(-1, n), translation).reshape(vectors.shape)
+        turned = vectors @ linear.T
+        return turned if translation is None else turned + translation
     if linear.shape[-3] == 1 and vectors.ndim >= 2:
         return np.asarray(vectors @ np.swapaxes(linear[..., 0, :, :], -1, -2))
     return np.einsum("...ij,...j->...i", linear, vectors)
+
+
+def _in_blocks(linear: Matrix, vectors: Matrix, translation: Matrix | None) -> Matrix:
+    """Numbers of a block are added as one long row: a row of three at a time would cost more than the product."""
+    made, transposed = np.empty_like(vectors, order="C"), np.ascontiguousarray(linear.T)
+    added = None if translation is None else np.tile(translation, _BLOCK)
+    for start in range(0, len(vectors), _BLOCK):
+        block = made[start : start + _BLOCK]
+        np.matmul(vectors[start : start + _BLOCK], transposed, out=block)
+        if added is not None:
+            row = block.reshape(-1)
+            row += added[: row.size]
+    return made

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 from .affine import transform_points
+from .project import check_size
 from .projection import (
     PinholeCamera,
     PlacedCamera,
@@ -212,6 +213,7 @@ def pixel_to_ray(camera: PlacedCamera, x: float, y: float, width: int, height: i
 
 def _projection(camera: PlacedCamera, width: int, height: int, near: float | None, far: float | None, depth: float) -> Matrix:
     """The matrix of `clip_from_camera`, with planes where nobody has said any."""
+    check_size(width, height)
     half_height, pixel_aspect, shift_x, shift_y = camera.lens()
     aspect = width / height * pixel_aspect
     near = getattr(camera, "near", None) if near is None else near

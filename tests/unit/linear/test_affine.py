@@ -97,6 +97,7 @@ def test_many_points_are_transformed_in_blocks(count):
     m = transform.rotate((1, 2, 3), 0.5) @ transform.translate(1, 2, 3) @ transform.shear_x(2, 3)
     moved = affine.transform_points(m, points)
     np.testing.assert_allclose(moved, points @ m[:3, :3].T + m[:3, 3], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(affine.transform_vectors(m, points), points @ m[:3, :3].T, rtol=1e-12, atol=1e-14)
     np.testing.assert_array_equal(affine.transform_points(m, np.stack([points, points]))[1], affine.transform_points(m, points))
 
 
@@ -105,3 +106,12 @@ def test_linear_matrices_serve_points_and_vectors():
     m = transform2d.shear_x(2.0)
     np.testing.assert_array_equal(affine.transform_points(m, [[1, 1], [0, 3]]), [[3, 1], [6, 3]])
     np.testing.assert_array_equal(affine.transform_vectors(m, [1, 1]), [3, 1])
+
+
+@pytest.mark.parametrize(
+    ("matrix", "points"), [(np.eye(4), (1, 2)), (np.eye(2), (1, 2, 3)), (np.eye(4), 5.0), (np.zeros((3, 4)), (1, 2, 3))]
+)
+def test_what_does_not_fit_is_refused(matrix, points):
+    for apply in (affine.transform_points, affine.transform_vectors):
+        with pytest.raises(SceneError, match="shape"):
+            apply(matrix, points)

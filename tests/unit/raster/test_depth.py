@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
-from staging import grid, place, scene_of, two_triangles
+from staging import SLOW_AS_PYTHON, grid, place, scene_of, two_triangles
 
 from limner.linear import transform
 from limner.render import render
@@ -20,6 +20,7 @@ def _ids(nodes: tuple[Node, ...], camera: object) -> NDArray[np.int32]:
     return image.aov["instance_id"]
 
 
+@SLOW_AS_PYTHON
 def test_the_order_of_drawing_does_not_matter():
     """Three sheets through each other: every permutation shows the same."""
     tilts = (0.0, 0.5, -0.7)

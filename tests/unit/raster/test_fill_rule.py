@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from staging import grid, place, scene_of
+from staging import SLOW_AS_PYTHON, grid, place, scene_of
 
 from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
@@ -49,6 +49,7 @@ def _triangulated(points: NDArray[np.float64]) -> Mesh:
     return Mesh(positions.astype(np.float32), triangles)
 
 
+@SLOW_AS_PYTHON
 @given(
     st.lists(
         st.tuples(*[st.integers(-2 * SIZE, 6 * SIZE).map(lambda k: k / 4)] * 2), min_size=0, max_size=30
@@ -59,6 +60,7 @@ def test_vertices_and_edges_on_sample_positions(points):
     np.testing.assert_array_equal(_coverage(_triangulated(np.array(points).reshape(-1, 2)), _pixel_camera()), 0.5)
 
 
+@SLOW_AS_PYTHON
 @given(st.integers(0, 2**32 - 1), st.integers(3, 60), st.sampled_from([1, 3, 8]))
 def test_random_triangulations(seed, n, samples):
     """Points anywhere: the rounding to the subpixel grid moves vertices, but alike for all the triangles around them."""
@@ -106,6 +108,7 @@ def test_slivers_and_specks():
 SOLIDS = {"box": primitives.box((2, 2, 2)), "sphere": primitives.sphere(1.0, 16), "bipyramid": primitives.uv_sphere(3, 2)}
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("name", SOLIDS)
 def test_from_within_a_solid_every_sample_is_covered_once(name):
     """Triangles before, beside and behind the eye, and through its plane (FoCG 8.1.3)."""
@@ -116,6 +119,7 @@ def test_from_within_a_solid_every_sample_is_covered_once(name):
         np.testing.assert_array_equal(_coverage(SOLIDS[name], camera, 90), 0.5)
 
 
+@SLOW_AS_PYTHON
 def test_clipped_neighbours_share_their_edge():
     """Bug: an edge that two triangles run along in opposite ways was cut at two points, apart by rounding, and the floor under the
     camera had holes and seams. Fix: the cut is computed from the inner end."""

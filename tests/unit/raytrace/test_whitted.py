@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from staging import checkers, flat_picture, grid, lit_from, place, point_light_at, scene_of, two_triangles
+from staging import SLOW_AS_PYTHON, checkers, flat_picture, grid, lit_from, place, point_light_at, scene_of, two_triangles
 
 from limner.linear import transform
 from limner.mesh import primitives
@@ -31,6 +31,7 @@ def _ray(scene: Scene, width: int = 96, height: int = 72, **options: object) -> 
 # --- what is seen ---------------------------------------------------------------------------------------------------------
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("renderer", ["raster", "ray"])
 def test_silhouette_of_a_sphere(renderer):
     """A sphere of radius r at distance D shows as a circle of radius r / sqrt(D^2 - r^2) at distance 1."""
@@ -45,6 +46,7 @@ def test_silhouette_of_a_sphere(renderer):
         np.testing.assert_allclose(alpha, alpha.T, atol=0.15)
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("renderer", ["raster", "ray"])
 def test_horizon(renderer):
     """An infinite plane ends where rays run level: tan(pitch) / half_height of the picture's half above its middle."""
@@ -59,6 +61,7 @@ def test_horizon(renderer):
 # --- shadows --------------------------------------------------------------------------------------------------------------
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("ball", [Sphere(0.5), primitives.sphere(0.5, 96)], ids=["exact", "mesh"])
 def test_shadow_of_a_sphere_under_a_lamp(ball):
     """A cone round the sphere: on the floor a circle of radius H tan(asin(r / (H - c))) (FoCG 4.7)."""
@@ -111,6 +114,7 @@ def test_blended_spheres_and_planes_throw_thin_shadows_too():
         assert _ray(scene, 3, 3)[1, 1, 0] == pytest.approx(0.75**crossings, rel=1e-5)
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e3, 1e6])
 def test_no_acne_at_any_scale(size):
     """The same scene in other units gives the same picture: nothing shades itself, no shadow leaves its foot."""
@@ -127,6 +131,7 @@ def test_no_acne_at_any_scale(size):
     assert (np.abs(seen - expected).max(axis=2) > 1e-3).mean() < 0.004
 
 
+@SLOW_AS_PYTHON
 def test_no_acne_around_the_origin():
     """Bug: the push off the surface was measured by the point's own coordinates, which vanish at the origin, where the vertices'
     rounding errors do not; a tilted floor, and a mesh moved back from afar, shaded themselves. Fix: by what it was computed from."""
@@ -144,6 +149,7 @@ def test_no_acne_around_the_origin():
 # --- mirrors --------------------------------------------------------------------------------------------------------------
 
 
+@SLOW_AS_PYTHON
 def test_a_mirror_shows_the_point_behind_it():
     """What stands before a plane mirror is seen where its mirror image stands (FoCG 4.8)."""
     place_of_lamp = np.array((0.35, 0.2, 0.8))
@@ -199,6 +205,7 @@ def test_only_the_camera_looks_through_the_back_of_one_sided_surfaces(turned):
         assert _ray(scene, 3, 3)[1, 1, 0] == left
 
 
+@SLOW_AS_PYTHON
 def test_behind_what_is_masked_textures_are_filtered_as_anywhere():
     """Bug: behind a cut-out or blended surface a camera ray forgot its pixel, and distant textures flickered unfiltered."""
     floor = place(Plane(), Lambert(color=1, texture=checkers(2)))

@@ -1,0 +1,82 @@
+"""`limner convert`: a picture in another format, of another size, with other bits, or as a printer's dots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import click
+
+from ..errors import LimnerError
+from .talk import Talk
+
+if TYPE_CHECKING:
+    from ..image.image import Image
+
+__all__ = ["Order", "convert"]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a command line asks for; None: as it is."""
+
+    source: str
+    output: str
+    width: int | None
+    height: int | None
+    filter: str
+    bits: int | None
+    dither: str | None
+    seed: int
+    dpi: float | None
+    halftone: float | None
+    angle: float
+    shape: str
+
+
+def convert(order: Order, talk: Talk) -> None:
+    """Fulfil `order`."""
+    from ..image.save import check_destination, keeps_aovs
+
+    try:
+        check_destination(order.output)
+    except LimnerError as error:
+        raise click.UsageError(str(error)) from error
+    from dataclasses import replace
+
+    from ..files.open_image import open_image
+    from ..produce.again import moved
+
+    image = open_image(order.source)
+    image = replace(image, recipe=moved(image.recipe, order.source, order.output))
+    beside = sorted(image.aov)
+    if order.width is not None or order.height is not None:
+        image = image.resized(*_size(order, image), order.filter)
+    bits = order.bits
+    if order.halftone is not None:
+        image = _screened(order, image)
+        bits = bits or (1 if order.output.lower().endswith(".png") or order.output == "-" else None)
+    if beside and not (image.aov and keeps_aovs(order.output)):
+        talk.say("note", f"what lies beside the picture is left out: {', '.join(beside)}")
+    image.save(order.output, bits=bits, dither=order.dither, dpi=order.dpi, seed=order.seed)
+    dpi = order.dpi or image.dpi
+    if dpi is not None:
+        width, height = image.print_size(dpi)
+        talk.detail(f"{image.width} x {image.height} pixels, on paper {width:.1f} x {height:.1f} mm at {dpi:g} dpi")
+
+
+def _size(order: Order, image: Image) -> tuple[int, int]:
+    """Width and height; the one that is not given keeps the picture's shape."""
+    if order.width is not None and order.height is not None:
+        return order.width, order.height
+    if order.width is not None:
+        return order.width, max(1, round(image.height * order.width / image.width))
+    assert order.height is not None
+    return max(1, round(image.width * order.height / image.height)), order.height
+
+
+def _screened(order: Order, image: Image) -> Image:
+    dpi = order.dpi or image.dpi
+    if dpi is None:
+        raise click.UsageError("--halftone needs the printer's --dpi; the picture does not say it")
+    return image.halftoned(dpi, order.halftone or 75.0, order.angle, order.shape)

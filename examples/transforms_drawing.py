@@ -66,7 +66,8 @@ def bars(edges: ArrayLike, radius: float, color: Color, sides: int = 8) -> limne
     place = transform.affine(transform.basis(along), start) @ transform.scale(radius, radius, length)
     angle = 2.0 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(sides)], axis=-1)
-    prism = np.concatenate([ring, ring + (0.0, 0.0, 1.0), [[0, 0, 0], [0, 0, 1]]])
+    above = np.array([0.0, 0.0, 1.0])
+    prism = np.concatenate([ring, ring + above, [0.0 * above, above]])
     i, j = np.arange(sides), (np.arange(sides) + 1) % sides
     bottom, top = np.full(sides, 2 * sides), np.full(sides, 2 * sides + 1)
     quarters = [(i, j, j + sides), (i, j + sides, i + sides), (j, i, bottom), (i + sides, j + sides, top)]

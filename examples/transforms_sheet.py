@@ -96,9 +96,9 @@ class Sheet:
             nodes += letter2d(matrix, color, 0.05 * (index + 1))
         self.panels.append(Panel(title, remark, render(nodes, FRONT, self.width, self.height)))
 
-    def space(self, title: str, remark: str, nodes: list[limner.Node], distance: float = 5.2) -> None:
+    def space(self, title: str, remark: str, nodes: list[limner.Node], azimuth: float = 28.0) -> None:
         """Whatever is to be seen, over a floor."""
-        eye = limner.Camera.orbit((0.25, 0.35, 0.0), distance, 28, 24, yfov_degrees=30)
+        eye = limner.Camera.orbit((0.25, 0.35, 0.0), 5.2, azimuth, 24, yfov_degrees=30)
         floor = [grid((-1.5, -0.002, -1.5), (2, -0.002, 1.5), (14, 12), 0.003), axes(0.01, 1.25)]
         self.panels.append(Panel(title, remark, render([*floor, *nodes], eye, self.width, self.height)))
 
@@ -144,14 +144,15 @@ def space_panels(page: Sheet) -> None:
     )
     shear = transform.shear_x(0.9, 0.0)
     corners = np.array([[(0.0, 0, z), (0.7, 0, z), (0.7, 1, z), (0, 1, z)] for z in (-0.35, 0.35)])
-    box = np.concatenate([np.roll(corners[0], 0, axis=0), corners[1]])
+    box = corners.reshape(8, 3)
     faces = [[0, 1, 5, 4], [3, 7, 6, 2], [0, 4, 7, 3], [1, 2, 6, 5], [4, 5, 6, 7], [0, 3, 2, 1]]
     solid = plates(transform.transform_points(shear, box[faces]), PALE)
     middles = transform.transform_points(shear, [(0.7, 0.5, 0.0), (0.7, 0.5, 0.0)])
     wrong = transform.transform_vectors(shear, [(0.6, 0, 0)])
     right = 0.6 * transform.transform_normals(shear, [(1, 0, 0)])
     page.space("normals under shear", "red: M n leans; green: N n, the cofactors, stands up (6.2.2)",
-               [solid, arrows(middles[:1], wrong, 0.015, RED), arrows(middles[1:], right, 0.015, GREEN)])  # fmt: skip
+               [solid, bars(outline(transform.transform_points(shear, corners[1])), 0.012, BLACK),
+                arrows(middles[:1], wrong, 0.015, RED), arrows(middles[1:], right, 0.015, GREEN)], azimuth=6.0)  # fmt: skip
     page.block("translate(0.8, 0.3, -0.5)", "4x4: points move, vectors do not (6.3)", transform.translate(0.8, 0.3, -0.5))
     window = transform.window((0, 0, -THICK / 2), (0.6, 1, THICK / 2), (-1.2, 0.2, -1), (1.6, 0.7, -0.4))
     target = np.array([[x, y, z] for x in (-1.2, 1.6) for y in (0.2, 0.7) for z in (-1, -0.4)])

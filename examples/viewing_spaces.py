@@ -94,22 +94,32 @@ def panels(width: int, height: int) -> list[Panel]:
         ),
         Panel(
             "camera space", "M_cam: the eye is the origin, the gaze -z (7.1.3)",
-            picture([cube(in_camera, 0.025), ball(in_camera[CORNER], 0.09, RED), box_edges(frustum_camera, 0.025, ORANGE), axes(0.03, 1.5), eye],
-                    (0, 0, -3.5), 17, 60, 25),
+            picture(
+                [cube(in_camera, 0.025), ball(in_camera[CORNER], 0.09, RED), box_edges(frustum_camera, 0.025, ORANGE),
+                 axes(0.03, 1.5), eye],
+                (0, 0, -3.5), 17, 60, 25,
+            ),
         ),
         Panel(
             "clip space (x, y, w)", "-M_per: visible is -w <= x, y <= w (7.3)",
-            picture([cube(xyw(clip), 0.035), ball(xyw(clip)[CORNER], 0.13, RED), box_edges(xyw(frustum_clip), 0.035, ORANGE), axes(0.04, 2.0), eye],
-                    (0, 0, -3.5), 33, 55, 22),
+            picture(
+                [cube(xyw(clip), 0.035), ball(xyw(clip)[CORNER], 0.13, RED), box_edges(xyw(frustum_clip), 0.035, ORANGE),
+                 axes(0.04, 2.0), eye],
+                (0, 0, -3.5), 34, 55, 22,
+            ),
         ),
         Panel(
             "normalised device coordinates", "/ w: near is +1 and towards us, far is -1 (7.2)",
-            picture([cube(ndc, 0.012), ball(ndc[CORNER], 0.05, RED), box_edges(canonical, 0.014, ORANGE), axes(0.014, 0.8)], (0, 0, 0), 6.2, 28, 20),
+            picture(
+                [cube(ndc, 0.012), ball(ndc[CORNER], 0.05, RED), box_edges(canonical, 0.014, ORANGE), axes(0.014, 0.8)],
+                (0, 0, 0), 6.3, 28, 20,
+            ),
         ),
         Panel(
             "raster space", f"M_vp: {N_X} x {N_Y} pixels, centres at integers (7.1.1)",
             picture(
-                [cube(in_pixels(raster), 0.13), ball(in_pixels(raster)[CORNER], 0.6, RED), box_edges(in_pixels(frustum_raster), 0.14, ORANGE),
+                [cube(in_pixels(raster), 0.13), ball(in_pixels(raster)[CORNER], 0.6, RED),
+                 box_edges(in_pixels(frustum_raster), 0.14, ORANGE),
                  grid((-0.5, -0.5, -8), (N_X - 0.5, N_Y - 0.5, -8), (N_X, N_Y), 0.03, GRAY)],
                 ((N_X - 1) / 2, (N_Y - 1) / 2, 0), 72, 22, 14,
             ),

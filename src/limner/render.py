@@ -52,6 +52,8 @@ _DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
 _TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
 _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
 
+_BLANK = "nothing of the scene is in the picture: the camera looks past it, or stands behind single-sided surfaces"
+
 Work = Callable[[Tile, int, int], None]
 
 
@@ -372,7 +374,9 @@ class Renderer:
         pixels, self.slips = frame.film.developed(self._threads)
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
         recipe = self._recipe(frame, int(frame.film.taken.min()), finished=finished)
-        return Image(pixels, extra, id_names, recipe, (*frame.messages, *self.slips), finished)
+        blank = finished and bool(frame.scene.shapes()) and not pixels[..., 3].any()
+        messages = (*frame.messages, *self.slips, *((_BLANK,) if blank else ()))
+        return Image(pixels, extra, id_names, recipe, messages, finished)
 
     def _recipe(self, frame: _Frame, samples: int, *, finished: bool) -> Recipe:
         from . import __version__

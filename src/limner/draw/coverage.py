@@ -20,7 +20,9 @@ from .._door import Array, Door, Scalar
 from ..errors import SceneError, UnsupportedError
 from ..linear.project import check_size
 
-__all__ = ["RULES", "Bounds", "Edges", "coverage", "edges_of_rings", "fill_edges", "join_edges", "mosaic_edges"]
+__all__ = [
+    "RULES", "Bounds", "Edges", "coverage", "edges_of_each", "edges_of_polygons", "edges_of_rings", "fill_edges", "mosaic_edges",
+]  # fmt: skip
 
 Floats = NDArray[np.float64]
 Bounds = tuple[float, float, float, float]
@@ -129,19 +131,18 @@ def edges_of_rings(rings: Sequence[ArrayLike]) -> Edges:
     return _sorted(start, end, np.zeros(len(start), dtype=np.int64), 1)
 
 
-def join_edges(polygons: Floats, shape_of: NDArray[np.int64], n_shapes: int) -> Edges:
-    """Make shapes of many polygons with equally many points.
+def edges_of_polygons(parts: Sequence[Floats]) -> Edges:
+    """Make one shape of many polygons: parts (n, k, 2) float64, each of n polygons with k points."""
+    start = np.concatenate([part.reshape(-1, 2) for part in parts]) if parts else np.empty((0, 2))
+    end = np.concatenate([np.roll(part, -1, axis=1).reshape(-1, 2) for part in parts]) if parts else start
+    return _sorted(_ring(start), end, np.zeros(len(start), dtype=np.int64), 1)
 
-    Parameters
-    ----------
-    polygons : (n, k, 2) float
-    shape_of : (n,) int64
-        The number of the shape that each belongs to.
-    n_shapes : int
-    """
-    _ring(polygons.reshape(-1, 2))
-    end = np.roll(polygons, -1, axis=1).reshape(-1, 2)
-    return _sorted(polygons.reshape(-1, 2), end, np.repeat(shape_of, polygons.shape[1]), n_shapes)
+
+def edges_of_each(polygons: Floats) -> Edges:
+    """Make n shapes of n polygons with equally many points, (n, k, 2) float64."""
+    n, k = polygons.shape[:2]
+    start = _ring(polygons.reshape(-1, 2))
+    return _sorted(start, np.roll(polygons, -1, axis=1).reshape(-1, 2), np.repeat(np.arange(n), k), n)
 
 
 def _ring(ring: ArrayLike) -> Floats:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError, UnsupportedError
 from .path import TOLERANCE, Chain, Path, arc_steps
 
-__all__ = ["CAPS", "JOINS", "Pen", "stroke_polygons"]
+__all__ = ["CAPS", "JOINS", "Pen", "dashed", "segment_polygons", "stroke_polygons"]
 
 Floats = NDArray[np.float64]
 
@@ -135,7 +135,7 @@ def dashed(chain: Chain, pen: Pen) -> list[Chain]:
     first = math.floor(pen.dash_offset / period) * period - pen.dash_offset
     starts = first + np.arange(math.ceil((total - first) / period) + 1) * period
     bounds = (starts[:, None] + np.concatenate([[0.0], np.cumsum(pattern)])[None, :-1]).reshape(-1, 2)
-    kept = (bounds[:, 1] >= 0.0) & (bounds[:, 0] < total)
+    kept = ((bounds[:, 1] > 0.0) | (bounds[:, 0] >= 0.0)) & (bounds[:, 0] < total)
     ends = np.clip(bounds[kept], 0.0, total)
     corners = np.stack([np.interp(ends, reached, points[:, axis]) for axis in range(2)], axis=-1)
     inner = np.stack([np.searchsorted(reached, ends[:, 0], "right"), np.searchsorted(reached, ends[:, 1], "left")], axis=1)

@@ -78,7 +78,8 @@ def flip_map(reference: NDArray[np.floating], test: NDArray[np.floating], ppd: f
     """
     spaces = [_opponent_from_linear(np.clip(np.asarray(picture, dtype=np.float64), 0.0, 1.0)) for picture in (reference, test)]
     color = _color_difference(*(_seen(space, ppd) for space in spaces))
-    feature = _feature_difference(*((space[..., :1] + 16.0) / 116.0 for space in spaces), ppd)
+    first, second = ((space[..., :1] + 16.0) / 116.0 for space in spaces)
+    feature = _feature_difference(first, second, ppd)
     return np.power(color, 1.0 - feature).astype(np.float32)
 
 

@@ -34,8 +34,8 @@ def checked_dpi(dpi: float, name: str = "dpi") -> float:
 def print_size(width: int, height: int, dpi: float) -> tuple[float, float]:
     """Return how wide and how high, in millimetres, a picture of so many pixels is printed at `dpi` pixels per inch.
 
-    >>> print_size(2480, 3508, 300)  # A4
-    (209.97..., 297.01...)
+    >>> print_size(600, 300, 300)
+    (50.8, 25.4)
     """
     return width / checked_dpi(dpi) * MM_PER_INCH, height / checked_dpi(dpi) * MM_PER_INCH
 

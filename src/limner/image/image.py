@@ -263,8 +263,8 @@ class Image:
         return f"Image({self.width} x {self.height}{beside}{'' if self.finished else ', unfinished'})"
 
 
-def straight(weighted: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(..., 4) float32: colours that were weighted by alpha, divided by it; black where nothing can be seen."""
+def straight(weighted: NDArray[Any]) -> NDArray[Any]:
+    """(..., 4) float, as given: colours that were weighted by alpha, divided by it; black where nothing can be seen."""
     alpha = weighted[..., 3:]
     seen = alpha > _INVISIBLE
     color = np.where(seen, weighted[..., :3], np.float32(0.0)) / np.where(seen, alpha, np.float32(1.0))

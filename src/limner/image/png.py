@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,15 +49,15 @@ def png_bytes(
     (pHYs).
     """
     height, width = encoded.shape[:2]
+    rows: NDArray[np.uint8]
     if encoded.dtype == np.bool_:
         rows, bits, color_type = np.packbits(encoded, axis=1), 1, _GREY
     else:
-        opaque = bool((encoded[..., 3] == np.iinfo(encoded.dtype).max).all())
-        samples = np.ascontiguousarray(encoded[..., :3]) if opaque else np.ascontiguousarray(encoded)
-        bits, color_type = 8 * encoded.itemsize, _TRUECOLOR if opaque else _TRUECOLOR_ALPHA
-        if bits == 16:
-            samples = samples.astype(">u2")
-        rows = samples.reshape(height, -1).view(np.uint8)
+        bits = 8 * encoded.itemsize
+        opaque = bool(np.all(encoded[..., 3] == (1 << bits) - 1))
+        samples: NDArray[Any] = np.ascontiguousarray(encoded[..., :3] if opaque else encoded)
+        color_type = _TRUECOLOR if opaque else _TRUECOLOR_ALPHA
+        rows = samples.astype(">u2" if bits == 16 else np.uint8, copy=False).reshape(height, -1).view(np.uint8)
     parts = [
         _SIGNATURE,
         _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, color_type, 0, 0, 0)),

@@ -56,4 +56,5 @@ def resized(pixels: NDArray[np.float32], width: int, height: int, filter: str = 
 
 def _axis(n_old: int, n_new: int, kind: Reconstruction) -> Taps:
     step = n_old / n_new
-    return taps((np.arange(n_new) + 0.5) * step - 0.5, n_old, kind, max(1.0, step))
+    centres = (np.arange(n_new, dtype=np.float64) + 0.5) * step - 0.5
+    return taps(centres, n_old, kind, max(1.0, step))

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError, UnsupportedError
 from ..linear import pose, transform
+from ..linear.explain import Steps, point_to_pixel
 from ..linear.project import Lens, intrinsics, lens_from_intrinsics, pixels_from_world, world_from_pixels
 from ..linear.projection import camera_from_world
 from ._values import finite, matrix4, positive, triple
@@ -206,6 +207,26 @@ class _Placed:
         """
         matrix, perspective = self.intrinsics(width, height), isinstance(self, PerspectiveCamera)
         return world_from_pixels(xy, depth, self.world_from_camera, matrix, perspective=perspective)
+
+    def explain(self, point: ArrayLike, width: int, height: int) -> Steps:
+        """Follow a point to its pixel step by step, with every matrix and number on the way; printed, a table.
+
+        Parameters
+        ----------
+        point : (3,) float
+            World space.
+        width, height : int >= 1
+            The picture's size in pixels.
+
+        Examples
+        --------
+        >>> steps = PerspectiveCamera(yfov_degrees=90).explain((0, 1, -2), 100, 100)
+        >>> steps.at("clip")[3], steps.at("pixel")
+        (2.0, (49.5, 24.5))
+
+        See `limner.linear.explain.point_to_pixel`, and `pixel_to_ray` for the way back.
+        """
+        return point_to_pixel(self, point, width, height)
 
     def to_opencv(self, width: int, height: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Say it in OpenCV's words: (3, 3) K and (4, 4) world_to_camera, x right, y down, z forward; float64.

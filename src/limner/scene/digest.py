@@ -16,6 +16,7 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..mesh.mesh import Mesh
 from .environment import Environment
@@ -85,12 +86,12 @@ class _Digester:
             parts += [field.name.encode(), self.of(held)]
         return _hashed("object", b"\0".join(parts))
 
-    def _plain(self, value: Any) -> tuple[str, bytes | memoryview]:
+    def _plain(self, value: Any) -> tuple[str, bytes | NDArray[np.uint8]]:
         """A word for the kind of a value, and its bytes."""
         if isinstance(value, np.ndarray):
             array = np.ascontiguousarray(value)
             little = array.astype(array.dtype.newbyteorder("<"), copy=False)
-            return f"array {little.dtype.str} {value.shape}", memoryview(little.reshape(-1).view(np.uint8))
+            return f"array {little.dtype.str} {value.shape}", little.reshape(-1).view(np.uint8)
         if isinstance(value, (bool, np.bool_)):
             return "bool", bytes([bool(value)])
         if isinstance(value, (int, np.integer)):
@@ -112,9 +113,9 @@ class _Digester:
         return "named", f"{getattr(kind, '__module__', '')}.{getattr(kind, '__qualname__', '')}".encode()
 
 
-def _hashed(kind: str, data: bytes | memoryview) -> bytes:
+def _hashed(kind: str, data: bytes | NDArray[np.uint8]) -> bytes:
     state = hashlib.blake2b(kind.encode() + b"\0", digest_size=_SIZE)
-    state.update(data)
+    state.update(memoryview(data))  # type: ignore[arg-type]
     return state.digest()
 
 

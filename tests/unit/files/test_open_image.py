@@ -320,7 +320,7 @@ def test_a_damaged_checksum_is_seen(tmp_path: Path) -> None:
     whole = bytearray(_png16(np.zeros((5, 4, 3), np.uint16), [0]))
     whole[50] ^= 4
     (tmp_path / "a.png").write_bytes(bytes(whole))
-    with pytest.raises(FileFormatError, match="broken|checksum"):
+    with pytest.raises(FileFormatError, match=r"broken|checksum"):
         limner.open_image(tmp_path / "a.png")
 
 

@@ -65,9 +65,9 @@ def test_dots_are_clustered() -> None:
 
 
 def test_round_dots_make_a_checkerboard_at_half() -> None:
-    """The pattern and its negative are one another, half a cell on."""
+    """The pattern is its own negative, half a cell on in both directions."""
     paper = halftoned(np.full((96, 96), 0.5), 600, 50, 0.0, "round")
-    agree = (paper == ~np.roll(paper, 6, axis=1)).mean()
+    agree = (paper == ~np.roll(paper, (6, 6), axis=(0, 1))).mean()
     assert agree > 0.8
 
 

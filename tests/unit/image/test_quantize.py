@@ -40,7 +40,9 @@ def test_what_is_a_code_stays_it(dither: str | None, bits: int) -> None:
     assert (quantize(codes / greatest, bits, dither) == codes).all()
 
 
-@pytest.mark.parametrize(("dither", "slack"), [("ordered", 1 / 128), ("blue_noise", 1 / 8192), ("random", 0.01), ("floyd_steinberg", 0.006)])
+@pytest.mark.parametrize(
+    ("dither", "slack"), [("ordered", 1 / 128), ("blue_noise", 1 / 8192), ("random", 0.01), ("floyd_steinberg", 0.006)]
+)
 @pytest.mark.parametrize("value", [0.03, 0.31, 0.5, 0.77, 0.999])
 @pytest.mark.parametrize("bits", [1, 2])
 def test_the_mean_survives_dithering(dither: str, slack: float, value: float, bits: int) -> None:

@@ -114,7 +114,13 @@ def test_convert_for_a_printer(run: Run) -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [("a.png", "b.nope"), ("missing.png", "b.png"), ("a.png", "b.png", "--width", 0), ("a.png", "b.jpg", "--bits", 16), ("a.png", "b.exr", "--dither", "random")],
+    [
+        ("a.png", "b.nope"),
+        ("missing.png", "b.png"),
+        ("a.png", "b.png", "--width", 0),
+        ("a.png", "b.jpg", "--bits", 16),
+        ("a.png", "b.exr", "--dither", "random"),
+    ],
 )
 def test_convert_refuses_in_one_line(run: Run, tmp_path: Path, words: tuple[Any, ...]) -> None:
     """And leaves no file."""

@@ -214,7 +214,9 @@ def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_
 )  # fmt: skip
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="For --dither.")
 @click.option("--dpi", type=click.FloatRange(0.0, min_open=True), help="Pixels per inch on paper.")
-@click.option("--halftone", type=click.FloatRange(0.0, min_open=True), metavar="LPI", help="Screen it for a printer of --dpi: lines per inch.")
+@click.option(
+    "--halftone", type=click.FloatRange(0.0, min_open=True), metavar="LPI", help="Screen it for a printer of --dpi: lines per inch.",
+)  # fmt: skip
 @click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
 @click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
 @_voice

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 
 __all__ = [
-    "SrgbCodes", "bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_codes", "srgb_from_linear",
+    "SrgbCodes", "bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_codes",
+    "srgb_from_linear",
 ]  # fmt: skip
 
 _DROPPED_BITS = 12  # of 23 in a float32's fraction: at most one change of code in a bucket of what shares the rest

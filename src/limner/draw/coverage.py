@@ -10,7 +10,8 @@ an odd number ("evenodd"). A ring inside another is a hole under "evenodd", and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,8 @@ Bounds = tuple[float, float, float, float]
 
 RULES = ("nonzero", "evenodd")
 _OVER, _MASK, _MOSAIC = 0, 1, 2  # as in coverage_kernel
+_MANY_SHAPES = 256
+_BAND_BYTES = 1 << 19
 _LEVEL = 1e-12  # pixels: what rises less has no area beside it
 _GREATEST = 1e7  # pixels: far enough from the picture, and its ninth decimal still counts
 
@@ -37,9 +40,9 @@ _fill = Door(
     "limner.draw.coverage_kernel",
     "fill_shapes",
     (
-        Array(np.float64, 2), Array(np.int64, 1), Array(np.int64, 1), Array(np.float64, 1), Scalar(np.int64),
-        Array(np.float64, 2), Scalar(np.int64), Array(np.float32, 3), Array(np.int64, 1), Array(np.float64, 2),
-        Array(np.float64, 1), Array(np.int64, 1),
+        Array(np.float64, 2), Array(np.int64, 1), Array(np.int64, 1), Array(np.int64, 1), Array(np.float64, 1),
+        Scalar(np.int64), Array(np.float64, 2), Scalar(np.int64), Array(np.float32, 3), Array(np.int64, 1),
+        Array(np.float64, 2), Array(np.float64, 1), Array(np.int64, 1),
     ),
     "antialiased drawing",
 )  # fmt: skip
@@ -184,7 +187,24 @@ def _run(edges: Edges, paint: Floats, mode: int, rule: str, bounds: Bounds, targ
     if len(edges.values) == 0 or not (held[0] < held[2] and held[1] < held[3]):
         return
     most = int(np.diff(edges.starts).max())
-    _fill(
-        edges.values, edges.winding, edges.starts, held, int(rule == "evenodd"), np.ascontiguousarray(paint), mode, target,
-        np.empty(most, dtype=np.int64), np.empty((5, most)), np.zeros(width + 2), np.empty(2, dtype=np.int64),
-    )  # fmt: skip
+    scratch = np.empty(most, dtype=np.int64), np.empty((4, most)), np.zeros(width + 2), np.empty(2, dtype=np.int64)
+    for part, shapes in _bands(edges, held, target[0].nbytes):
+        _fill(*edges, shapes, part, int(rule == "evenodd"), np.ascontiguousarray(paint), mode, target, *scratch)
+
+
+def _bands(edges: Edges, bounds: Floats, row_bytes: int) -> Iterator[tuple[Floats, NDArray[np.int64]]]:
+    """Cut the picture into bands of rows that a processor's cache holds, each with the shapes that reach into it.
+
+    Many shapes all over a large picture would fetch each pixel from memory anew; within a band they do not.
+    """
+    n_shapes = len(edges.starts) - 1
+    if n_shapes < _MANY_SHAPES:
+        yield bounds, np.arange(n_shapes)
+        return
+    filled = np.flatnonzero(np.diff(edges.starts))
+    upper = np.minimum.reduceat(edges.values[:, 1], edges.starts[filled])
+    lower = np.maximum.reduceat(edges.values[:, 2], edges.starts[filled])
+    rows = max(8, _BAND_BYTES // row_bytes)
+    for top in range(int(bounds[1]), math.ceil(bounds[3]), rows):
+        part = np.array([bounds[0], max(bounds[1], top), bounds[2], min(bounds[3], top + rows)])
+        yield part, filled[(lower > part[1]) & (upper < part[3])]

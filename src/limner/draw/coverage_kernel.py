@@ -30,11 +30,12 @@ X_TOP, Y_TOP, Y_BOTTOM, SLOPE = 0, 1, 2, 3  # columns of an edge
 OVER, MASK, MOSAIC = 0, 1, 2  # what a covered pixel becomes
 
 _SAME = 1e-9  # pixels: edges nearer than this are at the same place
-_CROSSINGS = 4096  # crossings in one slab times its edges that are worth finding one by one
-_THIN = 16.0  # slabs a pixel where there are more
+_CROWD = 400  # edges in a row of pixels beyond which it is sampled
+_CROSSINGS = 4096  # crossings in one slab, times its edges, that are worth finding one by one
+_THIN = 16.0  # slabs a pixel where rows are sampled
 _LEAST_COVER = 1e-7
 
-_A, _B, _C, _D, _MIDDLE = 0, 1, 2, 3, 4  # rows of `xs`: at the slab's top and bottom, at a cut's, and between
+_A, _B, _C, _D = 0, 1, 2, 3  # rows of `xs`: where the edges are at a slab's top and bottom, and at those of a part of it
 
 
 @kernel
@@ -113,19 +114,19 @@ def _emit(active, n, winding, even_odd, xs, top, bottom, height, left, right, ro
 @kernel
 def _swap(active, xs, i):
     active[i], active[i + 1] = active[i + 1], active[i]
-    for k in range(5):
-        xs[k, i], xs[k, i + 1] = xs[k, i + 1], xs[k, i]
+    xs[_A, i], xs[_A, i + 1] = xs[_A, i + 1], xs[_A, i]
+    xs[_B, i], xs[_B, i + 1] = xs[_B, i + 1], xs[_B, i]
 
 
 @kernel
-def _sort(active, xs, n, first, second):
-    """Order the edges by xs[first], those at the same place by xs[second]; they nearly are."""
+def _sort(active, xs, n):
+    """Order the edges by where they are at the top, those at the same place by the bottom; they nearly are in order."""
     for i in range(1, n):
         j = i
         while j > 0:
-            apart = xs[first, j] - xs[first, j - 1]
+            apart = xs[_A, j] - xs[_A, j - 1]
             if abs(apart) <= _SAME:
-                apart = xs[second, j] - xs[second, j - 1]
+                apart = xs[_B, j] - xs[_B, j - 1]
             if apart >= 0.0:
                 break
             _swap(active, xs, j - 1)
@@ -146,44 +147,53 @@ def _first_crossing(xs, n):
 
 
 @kernel
-def _thin_slabs(active, n, winding, even_odd, xs, height, left, right, row, touched):
-    """Where edges cross too often: slabs so thin that the order in their middle will do."""
-    slabs = int(math.ceil(height * _THIN))
+def _locate(edges, active, n, xs, where, y):
+    """Write to xs[where] where the edges are at the height y."""
+    for i in range(n):
+        edge = active[i]
+        xs[where, i] = edges[edge, X_TOP] + (y - edges[edge, Y_TOP]) * edges[edge, SLOPE]
+
+
+@kernel
+def _sampled(edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched):
+    """Where edges are too many: slabs so thin that the edges in their middle, in their order there, will do."""
+    slabs = int(math.ceil((y_end - y) * _THIN))
+    height = (y_end - y) / slabs
     for slab in range(slabs):
-        start, end = slab / slabs, (slab + 1) / slabs
-        for i in range(n):
-            way = xs[_B, i] - xs[_A, i]
-            xs[_C, i] = xs[_A, i] + start * way
-            xs[_D, i] = xs[_A, i] + end * way
-            xs[_MIDDLE, i] = 0.5 * (xs[_C, i] + xs[_D, i])
-        _sort(active, xs, n, _MIDDLE, _D)
-        _emit(active, n, winding, even_odd, xs, _C, _D, height / slabs, left, right, row, touched)
+        top, bottom = y + slab * height, y + (slab + 1) * height
+        middle = 0.5 * (top + bottom)
+        following, n = _enter(edges, following, end, active, n, middle)
+        n = _leave(edges, active, n, middle)
+        _locate(edges, active, n, xs, _A, middle)
+        _locate(edges, active, n, xs, _B, bottom)
+        _sort(active, xs, n)
+        _locate(edges, active, n, xs, _C, top)
+        _emit(active, n, winding, even_odd, xs, _C, _B, height, left, right, row, touched)
+    return following, n
 
 
 @kernel
 def _slab(edges, active, n, winding, even_odd, xs, top, bottom, left, right, row, touched):
     """Add what lies between two heights at which edges begin or end: cut it where they cross."""
-    for i in range(n):
-        edge = active[i]
-        xs[_A, i] = edges[edge, X_TOP] + (top - edges[edge, Y_TOP]) * edges[edge, SLOPE]
-        xs[_B, i] = edges[edge, X_TOP] + (bottom - edges[edge, Y_TOP]) * edges[edge, SLOPE]
-    _sort(active, xs, n, _A, _B)
-    height = bottom - top
+    _locate(edges, active, n, xs, _A, top)
+    _locate(edges, active, n, xs, _B, bottom)
+    _sort(active, xs, n)
     worth = _CROSSINGS // n
     while True:
         part, at = _first_crossing(xs, n)
         if at < 0:
-            _emit(active, n, winding, even_odd, xs, _A, _B, height, left, right, row, touched)
+            _emit(active, n, winding, even_odd, xs, _A, _B, bottom - top, left, right, row, touched)
             return
         if worth == 0:
-            _thin_slabs(active, n, winding, even_odd, xs, height, left, right, row, touched)
+            _sampled(edges, 0, 0, winding, even_odd, active, n, xs, top, bottom, left, right, row, touched)
             return
         worth -= 1
         if part > 0.0:
+            height = part * (bottom - top)
             for i in range(n):
                 xs[_C, i] = xs[_A, i] + part * (xs[_B, i] - xs[_A, i])
-            _emit(active, n, winding, even_odd, xs, _A, _C, part * height, left, right, row, touched)
-            height -= part * height
+            _emit(active, n, winding, even_odd, xs, _A, _C, height, left, right, row, touched)
+            top += height
             for i in range(n):
                 xs[_A, i] = xs[_C, i]
         _swap(active, xs, at)
@@ -194,7 +204,7 @@ def _paint_row(row, touched, j, shape, paint, mode, target):
     """Turn the row's signed areas into coverage and paint it; leave the row cleared."""
     width = target.shape[1]
     total = 0.0
-    alpha = f32(paint[shape, 3])
+    r, g, b, a = f32(paint[shape, 0]), f32(paint[shape, 1]), f32(paint[shape, 2]), f32(paint[shape, 3])
     for column in range(touched[0], touched[1] + 2):
         total += row[column]
         row[column] = 0.0
@@ -202,13 +212,16 @@ def _paint_row(row, touched, j, shape, paint, mode, target):
         if cover > _LEAST_COVER and column < width:
             part = f32(cover)
             if mode == OVER:
-                keep = f32(1.0) - alpha * part
-                for c in range(4):
-                    target[j, column, c] = f32(paint[shape, c]) * part + target[j, column, c] * keep
+                keep = f32(1.0) - a * part
+                target[j, column, 0] = r * part + target[j, column, 0] * keep
+                target[j, column, 1] = g * part + target[j, column, 1] * keep
+                target[j, column, 2] = b * part + target[j, column, 2] * keep
+                target[j, column, 3] = a * part + target[j, column, 3] * keep
             elif mode == MASK:
                 target[j, column, 0] += part
             else:
                 _add_tile(target, j, column, shape, paint, cover)
+    touched[0], touched[1] = width, -1
 
 
 @kernel
@@ -244,31 +257,61 @@ def _leave(edges, active, n, y):
 
 
 @kernel
+def _next_event(edges, following, end, active, n, limit):
+    """The height, at most `limit`, at which the next edge begins or ends."""
+    event = limit
+    if following < end:
+        event = min(event, edges[following, Y_TOP])
+    for i in range(n):
+        event = min(event, edges[active[i], Y_BOTTOM])
+    return event
+
+
+@kernel
 def _fill_row(edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched):
     """Add all slabs of one row of pixels; returns where the edges stand below it."""
+    entering = following
+    while entering < end and edges[entering, Y_TOP] < y_end:
+        entering += 1
+    if n + entering - following > _CROWD:
+        following, n = _sampled(
+            edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched
+        )
+        y = y_end
     while y < y_end:
         following, n = _enter(edges, following, end, active, n, y)
-        bottom = y_end
-        if following < end:
-            bottom = min(bottom, edges[following, Y_TOP])
-        for i in range(n):
-            bottom = min(bottom, edges[active[i], Y_BOTTOM])
+        bottom = _next_event(edges, following, end, active, n, y_end)
         if n > 0:
             _slab(edges, active, n, winding, even_odd, xs, y, bottom, left, right, row, touched)
         y = bottom
         n = _leave(edges, active, n, y)
-    return following, n
+    return following, _leave(edges, active, n, y_end)
 
 
 @kernel
-def fill_shapes(edges, winding, starts, bounds, even_odd, paint, mode, target, active, xs, row, touched):
-    """Paint shapes, one after the other.
+def _steady_rows(edges, following, end, active, n, xs, y, lower):
+    """How many whole rows of pixels from y on have the same edges in the same order; puts these in order."""
+    rows = int(_next_event(edges, following, end, active, n, lower) - y)
+    if rows < 2 or n > _CROWD:
+        return 0
+    _locate(edges, active, n, xs, _A, y)
+    _locate(edges, active, n, xs, _B, y + rows)
+    _sort(active, xs, n)
+    part, at = _first_crossing(xs, n)
+    return rows if at < 0 else int(part * rows)
+
+
+@kernel
+def fill_shapes(edges, winding, starts, shapes, bounds, even_odd, paint, mode, target, active, xs, row, touched):
+    """Paint some shapes, one after the other.
 
     `edges` stand in order of Y_TOP within each shape, in coordinates with the pixels' corners at integers; `bounds` is left, top, right,
     bottom inside the picture; `paint` has a premultiplied colour (4), for MOSAIC with derivatives and range (20), for each shape.
     """
     left, upper, right, lower = bounds[0], bounds[1], bounds[2], bounds[3]
-    for shape in range(starts.shape[0] - 1):
+    touched[0], touched[1] = target.shape[1], -1
+    for number in range(shapes.shape[0]):
+        shape = shapes[number]
         following, end = starts[shape], starts[shape + 1]
         n, y = 0, upper
         while n > 0 or following < end:
@@ -277,10 +320,22 @@ def fill_shapes(edges, winding, starts, bounds, even_odd, paint, mode, target, a
             if y >= lower:
                 break
             j = int(y)
-            y_end = min(j + 1.0, lower)
-            touched[0], touched[1] = target.shape[1], -1
-            following, n = _fill_row(
-                edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched
-            )
-            _paint_row(row, touched, j, shape, paint, mode, target)
-            y = y_end
+            following, n = _enter(edges, following, end, active, n, y)
+            steady = 0
+            if y == j and n > 0:
+                steady = _steady_rows(edges, following, end, active, n, xs, y, lower)
+            for _ in range(steady):
+                _locate(edges, active, n, xs, _C, float(j))
+                _locate(edges, active, n, xs, _D, j + 1.0)
+                _emit(active, n, winding, even_odd, xs, _C, _D, 1.0, left, right, row, touched)
+                _paint_row(row, touched, j, shape, paint, mode, target)
+                j += 1
+            y = max(y, float(j))
+            if steady == 0:
+                y_end = min(j + 1.0, lower)
+                following, n = _fill_row(
+                    edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched
+                )
+                _paint_row(row, touched, j, shape, paint, mode, target)
+                y = y_end
+            n = _leave(edges, active, n, y)

@@ -152,7 +152,8 @@ def _seen(opponent: Floats, ppd: float) -> Floats:
             kernel = np.exp(-(math.pi**2) / b * degrees**2)
             strength = a * math.sqrt(math.pi / b)
             total += strength * kernel.sum() ** 2
-            made[..., channel : channel + 1] += strength * filtered(plane, convolution_taps(kernel, height), convolution_taps(kernel, width))
+            blurred = filtered(plane, convolution_taps(kernel, height), convolution_taps(kernel, width))
+            made[..., channel : channel + 1] += strength * blurred
         made[..., channel] /= total
     return np.clip(_linear_from_opponent(made), 0.0, 1.0)
 

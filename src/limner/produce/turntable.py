@@ -324,7 +324,7 @@ class _Rig:
     def __init__(self, scene: Scene) -> None:
         self._middle, _, _ = _swept(scene)
         self._scene = scene.replace(environment=_in_memory(scene.environment))
-        self._unlit = _without_lights(scene.root)
+        self._unlit = without_lights(scene.root)
         self._lights = [(light, placed.world_from_object) for placed, light in scene.lights()]
 
     def turned(self, degrees: float) -> Scene:
@@ -338,10 +338,10 @@ class _Rig:
         return self._scene.replace(root=Node(self._unlit.name, children=(self._unlit, *nodes)), environment=environment)
 
 
-def _without_lights(node: Node) -> Node:
+def without_lights(node: Node) -> Node:
     children = []
     for child in node.children:
-        children.append(_without_lights(child))  # noqa: PERF401 - a comprehension's own frame would halve the depth of graphs
+        children.append(without_lights(child))  # noqa: PERF401 - a comprehension's own frame would halve the depth of graphs
     same = not node.lights and all(a is b for a, b in zip(children, node.children, strict=True))
     return node if same else dataclasses.replace(node, lights=(), children=tuple(children))
 

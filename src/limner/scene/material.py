@@ -85,8 +85,8 @@ class BlinnPhong:
     mirror : three floats >= 0
         km: what an ideal reflection is multiplied by.
     normalized : bool
-        Scale the highlight by (p + 8) / 8, so that its energy does not depend on p (Akenine-Möller et al.,
-        *Real-Time Rendering*, 3rd ed., 7.6); the book's formula is without.
+        Scale the highlight by (p + 2) / 8, so that seen from straight above it sends out ks of what it gets, whatever p: the integral
+        of (n.h)^p over directions is ``8 pi / (p + 2)``, but for what lies below the horizon. The book's formula is without.
     diffuse_texture, specular_texture : Texture, optional
         Multiply kd and ks.
     """

@@ -13,6 +13,7 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
 from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE
+from .fresnel import schlick_weight
 from .lambert import eval_lambert
 from .microfacet import eval_ggx
 from .phong import eval_blinn_phong
@@ -123,8 +124,8 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         if material["normal_texture"] >= 0:
             ns = _mapped_normal(material, point, textures, texels)
         f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
-        diffuse = base * ((ONE - metallic) * (ONE - _DIELECTRIC_F0))
-        ambient = (diffuse + f0) * occlusion
+        diffuse = base * (ONE - metallic)
+        ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
         return Bsdf(ns, diffuse, black, ONE, f0, roughness * roughness, ambient, black, emission, alpha, base)
     return Bsdf(point.ns, base, black, ONE, black, ONE, ambient, black, emission, alpha, base)
 
@@ -136,5 +137,7 @@ def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
     if max_component(bsdf.specular) > ZERO:
         value = value + eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
     if max_component(bsdf.f0) > ZERO:
-        value = value + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
+        # What the coat of microfacets reflects does not reach the base (glTF 2.0, B.2.1: fresnel_mix).
+        reflected = _DIELECTRIC_F0 + (ONE - _DIELECTRIC_F0) * schlick_weight(dot(wo, normalize(wo + wi)))
+        value = value * (ONE - reflected) + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
     return value

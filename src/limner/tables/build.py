@@ -368,7 +368,7 @@ def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture
     row["kind"], row["color"], row["specular"] = layouts.BLINN_PHONG, material.diffuse, material.specular
     row["exponent"], row["mirror"] = material.exponent, material.mirror
     row["ambient"] = (-1.0, -1.0, -1.0) if material.ambient is None else material.ambient
-    row["specular_scale"] = (material.exponent + 8.0) / 8.0 if material.normalized else 1.0
+    row["specular_scale"] = (material.exponent + 2.0) / 8.0 if material.normalized else 1.0
     row["color_texture"] = _row(material.diffuse_texture, textures)
     row["specular_texture"] = _row(material.specular_texture, textures)
 

@@ -94,7 +94,7 @@ MATERIAL = np.dtype(
         ("alpha", f32),
         ("specular", f32, 3),  # ks
         ("exponent", f32),
-        ("specular_scale", f32),  # 1, or the normalisation (p + 8) / 8
+        ("specular_scale", f32),  # 1, or the normalisation (p + 2) / 8
         ("ambient", f32, 3),  # ka; negative: the diffuse coefficient
         ("mirror", f32, 3),
         ("emission", f32, 3),

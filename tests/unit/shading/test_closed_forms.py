@@ -107,11 +107,11 @@ def test_spot_cone(renderer):
 
 @pytest.mark.parametrize("normalized", [False, True])
 def test_blinn_phong(renderer, normalized):
-    """(kd n.l + ks (n.h)^p) E/pi, h = (v + l)/|v + l| (FoCG 4.5.2, 10.2.1; errata 4.5.2); normalised: ks (p + 8)/8."""
+    """(kd n.l + ks (n.h)^p) E/pi, h = (v + l)/|v + l| (FoCG 4.5.2, 10.2.1; errata 4.5.2); normalised: ks (p + 2)/8."""
     place, ks, p = (0.5, 0.4, 0.8), (0.5, 0.6, 0.7), 40.0
     d, l, cos = _facing(place)  # noqa: E741
     v = _unit(np.array((0, 0, 1.0)) - _points())
-    highlight = _unit(v + l)[..., 2:] ** p * ((p + 8) / 8 if normalized else 1.0)
+    highlight = _unit(v + l)[..., 2:] ** p * ((p + 2) / 8 if normalized else 1.0)
     gloss = BlinnPhong(diffuse=KD, specular=ks, exponent=p, normalized=normalized)
     seen = _picture(renderer, gloss, point_light_at(place, PointLight(intensity=6.0)))
     np.testing.assert_allclose(seen[..., :3], (np.array(KD) * cos + np.array(ks) * highlight) * 6.0 / d**2 / np.pi, rtol=1e-4)

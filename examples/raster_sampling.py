@@ -23,7 +23,7 @@ def main(target: str) -> None:
     """Render once, look at it in ten ways, save the sheet."""
     image = limner.render("teapot", width=SIDE, height=SIDE)
     y, x = np.mgrid[0:SIDE, 0:SIDE]
-    magnified = [image.sample(88 + x / 8, 60 + y / 8, filter=name) for name in FILTERS]
+    magnified = [image.sample(80 + x / 8, 34 + y / 8, filter=name) for name in FILTERS]
     encoded = srgb_from_linear(image.pixels[..., :3])
     few = []
     for dither in (None, *DITHERS):

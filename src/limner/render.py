@@ -68,7 +68,7 @@ def render(
     camera: Camera | None = None,
     max_depth: int = 8,
     shadows: bool = True,
-    antialiasing: str = "supersample",
+    antialiasing: str = "multisample",
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
@@ -97,9 +97,10 @@ def render(
         How often a ray is reflected (`ray`) or light scattered (`path`) at most.
     shadows : bool
         Whether lights can be hidden (`ray`).
-    antialiasing : "supersample" | "multisample"
-        Whether every sample is shaded for itself, or what covers several samples of a pixel once (`raster`): faster, and sharp edges are
-        as smooth; small highlights and cut-out textures less so.
+    antialiasing : "multisample" | "supersample"
+        Whether what covers several samples of a pixel is shaded once, in the middle of them, or every sample for itself (`raster`).
+        Edges are the same; supersampling is smoother where shading changes within a pixel, has the very colours of `ray`, and takes as
+        many times longer to shade as there are samples.
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
@@ -173,7 +174,7 @@ class Renderer:
         seed: int = 0,
         max_depth: int = 8,
         shadows: bool = True,
-        antialiasing: str = "supersample",
+        antialiasing: str = "multisample",
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
@@ -259,7 +260,7 @@ class Renderer:
     def refine(
         self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
     ) -> Iterator[Image]:
-        """Yield better and better pictures: of 1 sample, 2, 4, and so on; the last is what `render` returns.
+        """Yield better and better pictures: of 1 sample, 2, 4, and so on (multisamples: of 8, 16, …); the last is what `render` returns.
 
         Leave the loop whenever a picture is good enough.
         """

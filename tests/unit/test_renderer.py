@@ -87,18 +87,26 @@ def test_bytes_are_those_of_the_image(name):
 @pytest.mark.parametrize("name", RENDERERS)
 def test_refine_yields_what_render_makes(name):
     """From rough to fine, and the last to the bit; leaving early is fine."""
-    with Renderer(still_life(), renderer=name, width=16, height=12, samples=5) as renderer:
+    with Renderer(still_life(), renderer=name, width=16, height=12, samples=5, antialiasing="supersample") as renderer:
         steps = list(renderer.refine())
         assert [step.recipe["samples"] for step in steps] == [1, 2, 4, 5]
         assert np.array_equal(steps[-1].pixels, renderer.render().pixels)
         assert next(renderer.refine()).recipe["samples"] == 1
 
 
+def test_multisamples_are_refined_in_whole_groups():
+    """Eight at a time, so that the last picture is the one that `render` makes."""
+    with Renderer(still_life(), width=16, height=12, samples=20) as renderer:
+        steps = list(renderer.refine())
+        assert [step.recipe["samples"] for step in steps] == [8, 16, 20]
+        assert np.array_equal(steps[-1].pixels, renderer.render().pixels)
+
+
 def test_multisampling_keeps_edges_and_agrees_inside():
     """Coverage is exactly that of supersampling; where a pixel sees one even surface, so is the colour, nearly."""
     scene = still_life().replace(camera=PerspectiveCamera.look_at((0, 1, 8), (0, 1, 0), yfov_degrees=30.0))
-    full = render(scene, width=48, height=32, samples=8)
-    fast = render(scene, width=48, height=32, samples=8, antialiasing="multisample")
+    full = render(scene, width=48, height=32, samples=8, antialiasing="supersample")
+    fast = render(scene, width=48, height=32, samples=8)
     assert np.array_equal(full.pixels[..., 3], fast.pixels[..., 3])
     assert np.median(np.abs(full.pixels - fast.pixels)) < 1e-3
     with pytest.raises(UnsupportedError, match="antialiasing"):

@@ -59,6 +59,10 @@ def limner() -> None:
 @click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
 @click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
 @click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option(
+    "--antialiasing", type=click.Choice(["multisample", "supersample"]), default="multisample", show_default=True,
+    help="Shade once what covers several samples of a pixel, or every sample (raster).",
+)  # fmt: skip
 @click.option("--max-depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="How often light is reflected at most.")
 @click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
 @click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")

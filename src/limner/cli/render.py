@@ -35,6 +35,7 @@ class Order:
     samples: int | None
     seed: int
     max_depth: int
+    antialiasing: str
     camera: str | None
     eye: Triple | None
     target: Triple | None
@@ -76,6 +77,7 @@ def make_picture(order: Order, talk: Talk) -> None:
             samples=order.samples,
             seed=order.seed,
             max_depth=order.max_depth,
+            antialiasing=order.antialiasing,
             camera=camera,
             threads=order.threads,
             aovs=order.aovs,

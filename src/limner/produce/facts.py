@@ -22,14 +22,16 @@ from ..linear import transform
 from ..mesh.mesh import Mesh
 from ..scene.material import Material, MetallicRoughness
 from ..scene.scene import Scene
+from ..scene.shape import Box, Geometry, Sphere
 from ..scene.texture import Texels, Texture
 
-__all__ = ["dominant_colors", "facts", "guess_up", "number", "report_of_pixels"]
+__all__ = ["dominant_colors", "facts", "guess_up", "number", "report_of_pixels", "tight_bounds"]
 
 MOST_LISTED = 200
 """Materials, textures, lights, cameras that are named; their numbers tell of all."""
 
 _MOST_TRIANGLES = 2_000_000  # whose areas are added up for a guess
+_MOST_VERTICES = 1 << 22  # that are moved one by one for exact bounds
 _SLAB = 0.02  # of the extent: what counts as the ground that a model stands on
 _STANDS = 0.25  # of its footprint, that flat ground must fill
 _COARSE, _FINE = 1000.0, 0.001  # metres
@@ -70,7 +72,7 @@ def facts(scene: Scene) -> dict[str, Any]:
     materials = list({id(material): material for _, shape in shown for material in shape.materials}.values())
     textures = _texels(materials)
     lights, cameras = scene.lights(), scene.cameras()
-    bounds = scene.bounds()
+    bounds = tight_bounds(scene)
     bounded = bool(np.isfinite(bounds).all())
     told: dict[str, Any] = {
         "name": scene.name,
@@ -163,6 +165,40 @@ def _slips(told: dict[str, Any], meshes: Sequence[Mesh]) -> list[str]:
     return found
 
 
+def tight_bounds(scene: Scene) -> Floats:
+    """(2, 3) float64: least and greatest corner of what is visible, through the points themselves; (inf, -inf) where nothing is bounded.
+
+    `Scene.bounds` turns boxes, which grow by it; this turns what is in them, unless there are too many vertices.
+    """
+    shapes = scene.shapes()
+    if sum(len(shape.geometry.positions) for _, shape in shapes if isinstance(shape.geometry, Mesh)) > _MOST_VERTICES:
+        return scene.bounds()
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for placed, shape in shapes:
+        found = _extremes(placed.world_from_object, shape.geometry)
+        if found is not None and np.isfinite(found).all():
+            low, high = np.minimum(low, found[0]), np.maximum(high, found[1])
+    return np.array([low, high])
+
+
+def _extremes(world_from_object: Floats, geometry: Geometry) -> tuple[Floats, Floats] | None:
+    linear, middle = world_from_object[:3, :3], world_from_object[:3, 3]
+    if isinstance(geometry, Mesh):
+        if not len(geometry.triangles):
+            return None
+        used = np.zeros(len(geometry.positions), dtype=bool)
+        used[geometry.triangles.reshape(-1)] = True
+        points = transform.transform_points(world_from_object, np.asarray(geometry.positions, dtype=np.float64)[used])
+        return points.min(axis=0), points.max(axis=0)
+    if isinstance(geometry, Sphere):
+        reach = geometry.radius * np.linalg.norm(linear, axis=1)  # of M p with |p| = r along each axis: r times the row's length
+    elif isinstance(geometry, Box):
+        reach = np.abs(linear) @ (np.asarray(geometry.size) / 2.0)
+    else:
+        return None
+    return middle - reach, middle + reach
+
+
 # --- which way is up ------------------------------------------------------------------------------------------------------
 
 
@@ -181,7 +217,7 @@ def guess_up(scene: Scene) -> dict[str, str]:
     heuristic: a box on its side deceives it.
     """
     usual = {"axis": "+y", "confidence": "low", "because": "nothing speaks for another axis than the usual one"}
-    bounds = scene.bounds()
+    bounds = tight_bounds(scene)
     if not np.isfinite(bounds).all():
         return usual
     size = bounds[1] - bounds[0]

@@ -27,7 +27,7 @@ from ..image.image import Image
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
-__all__ = ["Canvas", "Grid", "Rgb", "Stroke", "grid_for", "legible", "shortened", "wrapped"]
+__all__ = ["Canvas", "Grid", "Rgb", "Stroke", "grid_for", "legible", "shortened", "text_width", "wrapped"]
 
 Rgb: TypeAlias = tuple[int, int, int]
 

@@ -13,6 +13,7 @@ the model with its measures. The pictures are looked at, too: one in which nothi
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import threading
 from collections.abc import Sequence
@@ -26,12 +27,11 @@ from ..errors import SceneError, UnsupportedError
 from ..image.image import Image
 from ..progress import Meter, OnProgress, Progress
 from ..scene.camera import Camera, OrthographicCamera, PerspectiveCamera
-from ..scene.framing import extent_points
 from ..scene.node import Node
 from ..scene.scene import Scene
 from ..scene.shape import Plane
-from .facts import dominant_colors, facts, number, report_of_pixels
-from .sheet import Canvas, Grid, Rgb, Stroke, shortened, wrapped
+from .facts import dominant_colors, facts, number, report_of_pixels, tight_bounds
+from .sheet import Canvas, Grid, Rgb, Stroke, shortened, text_width, wrapped
 from .turntable import without_lights
 
 __all__ = ["PROJECTIONS", "VIEWS", "Sheet", "Tip", "axis_tips", "standard_cameras", "views"]
@@ -51,7 +51,7 @@ VIEWS = {
 }
 """Azimuth (from +z towards +x) and elevation of each view, degrees, and what stands beside its name."""
 
-_MARGIN = 1.45  # of the picture's side to the box round the model: its measures stand around it
+_MARGIN = 1.38  # of the picture's side to the box round the model: its measures stand around it
 _YFOV_DEGREES = 30.0
 _LEAST_SIDE, _GREATEST_SIDE = 128, 2048
 
@@ -219,9 +219,9 @@ def axis_tips(camera: Camera) -> dict[str, Tip]:
 
 def _corners(scene: Scene) -> Floats:
     """(8, 3): of the box round everything, tightly; the unit cube where there is nothing, or all is in one place."""
-    points = extent_points(scene)
-    points = points[np.isfinite(points).all(axis=1)]
-    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.full(3, -0.5), np.full(3, 0.5))
+    low, high = tight_bounds(scene)
+    if not (low <= high).all():
+        low, high = np.full(3, -0.5), np.full(3, 0.5)
     extent = float((high - low).max())
     if not extent > 1e-6 * float(max(np.abs(low).max(), np.abs(high).max())):
         low, high = low - 0.5, high + 0.5
@@ -236,8 +236,6 @@ def _without_planes(scene: Scene) -> tuple[Scene, list[str]]:
 
 
 def _bounded(node: Node) -> Node:
-    import dataclasses
-
     children = []
     for child in node.children:
         children.append(_bounded(child))  # noqa: PERF401 - a comprehension's own frame would halve the depth of graphs
@@ -254,7 +252,9 @@ def _seen(made: Sequence[tuple[tuple[str, Camera], Image]], grid: Grid, size: in
     for index, ((name, camera), image) in enumerate(made):
         x, y = grid.corner(index)
         cell = {"name": name, "cell": [x, y, size, size], **report_of_pixels(image.pixels)}
-        told.append({**cell, "azimuth_degrees": VIEWS[name][0], "elevation_degrees": VIEWS[name][1], "eye": camera.world_from_camera[:3, 3].tolist()})
+        azimuth, elevation, _ = VIEWS[name]
+        eye = camera.world_from_camera[:3, 3].tolist()
+        told.append({**cell, "azimuth_degrees": azimuth, "elevation_degrees": elevation, "eye": eye})
     pixels = np.concatenate([image.pixels.reshape(-1, 4) for _, image in made]) if made else np.zeros((0, 4), dtype=np.float32)
     return {"views": told, "blank": all(view["coverage"] < _BLANK for view in told), "colors": dominant_colors(pixels)}
 
@@ -296,9 +296,9 @@ class _Draft:
         places, depth = camera.project(self._corners, size, size)
         places = places + 0.5 + np.array([x, y])  # from pixel centres to the canvas's edges
         near, far = _edges(depth)
-        self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.45) for edge in far)
+        self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.4) for edge in far)
         self.canvas.picture(x, y, image)
-        self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.8) for edge in near)
+        self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.6) for edge in near)
         self._measures(places, (x, y))
         self._axes(camera, x, y)
         pad = letters // 2
@@ -323,15 +323,14 @@ class _Draft:
             place = edge.mean(axis=0) + across * (0.35 * letters)
             anchor = "mm" if abs(across[0]) < 0.35 else "lm" if across[0] > 0.0 else "rm"
             place[1] += np.sign(across[1]) * 0.75 * letters if anchor == "mm" else across[1] * 0.5 * letters
-            limit = np.array(corner) + letters, np.array(corner) + size - letters
-            x, y = np.clip(place, *limit).tolist()
+            x, y = _kept_inside(place, words, letters, anchor, corner, size)
             self.canvas.text(x, y, words, size=letters, color=_AXIS_COLORS[axis], anchor=anchor, halo=_GROUND)
 
     def _axes(self, camera: Camera, x: int, y: int) -> None:
         """The world's axes in the lower left corner: arrows; a ring with a dot for what comes towards the eye, with a cross for what leaves."""
         size, letters = self._size, max(9, self._letters - 2)
         reach = 0.085 * size
-        at = np.array([x + 0.5 * letters + 0.095 * size, y + size - 0.5 * letters - 0.095 * size])
+        at = np.array([x + 0.5 * letters + 0.12 * size, y + size - 0.5 * letters - 0.12 * size])
         for name, tip in sorted(axis_tips(camera).items(), key=lambda item: item[1].towards):
             color = _AXIS_COLORS["xyz".index(name)]
             way = np.array([tip.right, -tip.up])
@@ -395,23 +394,36 @@ class _Draft:
 
 def _lines(told: dict[str, Any]) -> list[str]:
     """The facts as a person reads them first."""
-    lines = []
+    lines = ["nothing bounded"]
     if told["size"] is not None:
-        lines.append(f"size {' x '.join(number(edge) for edge in told['size'])} m")
-        lines.append(f"from ({', '.join(number(edge) for edge in told['bounds'][0])})")
-        lines.append(f"to ({', '.join(number(edge) for edge in told['bounds'][1])})")
-    else:
-        lines.append("nothing bounded")
+        low, high = (", ".join(number(edge) for edge in corner) for corner in told["bounds"])
+        lines = [f"size {' x '.join(number(edge) for edge in told['size'])} m", f"from ({low})", f"to ({high})"]
     drawn = f", {told['drawn_triangles']} drawn" if told["drawn_triangles"] != told["triangles"] else ""
-    lines.append(f"{told['triangles']} triangles{drawn}")
-    lines.append(f"{told['meshes']} meshes, {told['shapes']} shapes, {told['nodes']} nodes")
     names = ", ".join(material["name"] or material["kind"] for material in told["materials"][:6])
-    lines.append(f"{told['n_materials']} materials{f': {names}' if names else ''}")
     sizes = ", ".join(f"{texture['width']} x {texture['height']}" for texture in told["textures"][:4])
-    lines.append(f"{told['n_textures']} textures{f': {sizes}' if sizes else ''}")
-    lines.append(f"{told['n_lights']} lights, {told['n_cameras']} cameras")
     up = told["up"]
-    return [*lines, f"up {up['axis']}{'?' if up['confidence'] == 'low' else ''}", f"{len(told['notes'])} notes"]
+    return [
+        *lines,
+        _counted(told["triangles"], "triangle") + drawn,
+        f"{_counted(told['meshes'], 'mesh', 'meshes')}, {_counted(told['shapes'], 'shape')}, {_counted(told['nodes'], 'node')}",
+        _counted(told["n_materials"], "material") + (f": {names}" if names else ""),
+        _counted(told["n_textures"], "texture") + (f": {sizes}" if sizes else ""),
+        f"{_counted(told['n_lights'], 'light')}, {_counted(told['n_cameras'], 'camera')}, {_counted(len(told['notes']), 'note')}",
+        f"up {up['axis']}{'?' if up['confidence'] == 'low' else ''}",
+    ]
+
+
+def _counted(n: int, one: str, many: str = "") -> str:
+    return f"{n} {one if n == 1 else many or one + 's'}"
+
+
+def _kept_inside(place: Floats, words: str, letters: int, anchor: str, corner: tuple[int, int], size: int) -> tuple[float, float]:
+    """Where words stand so that no letter leaves the cell."""
+    width, gap = text_width(words, letters), 0.25 * letters
+    before = {"l": 0.0, "m": width / 2.0, "r": width}[anchor[0]]
+    x = min(max(float(place[0]), corner[0] + before + gap), corner[0] + size - (width - before) - gap)
+    y = min(max(float(place[1]), corner[1] + letters), corner[1] + size - letters)
+    return x, y
 
 
 def _edges(depth: Floats) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
@@ -423,8 +435,8 @@ def _edges(depth: Floats) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]
 
 
 def _outer_edge(places: Floats, middle: Floats, axis: int) -> Floats:
-    """(2, 2): of the four edges along an axis, the one that lies farthest out; of equals, the lower, then the right one."""
+    """(2, 2): of the four edges along an axis, the one that lies farthest out and low; of equals, the right one."""
     edges = [places[[k, k | 1 << axis]] for k in range(8) if not k >> axis & 1]
     outs = [edge.mean(axis=0) - middle for edge in edges]
-    best = max(range(4), key=lambda k: (round(float(np.hypot(*outs[k])), 1), round(float(outs[k][1]), 1), round(float(outs[k][0]), 1)))
+    best = max(range(4), key=lambda k: (round(float(np.hypot(*outs[k]) + 0.5 * outs[k][1]), 1), round(float(outs[k][0]), 1)))
     return edges[best]

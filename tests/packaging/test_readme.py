@@ -9,7 +9,10 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from limner.image.image import Image
 
 README = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
 
@@ -33,10 +36,14 @@ def _command_lines() -> list[str]:
 
 
 @pytest.mark.parametrize("line", _command_lines())
-def test_the_command_lines_work(limner_process: Callable[..., subprocess.CompletedProcess[str]], line: str) -> None:
-    """Each with a built-in scene in the model's place, and small."""
+def test_the_command_lines_work(
+    limner_process: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, line: str
+) -> None:
+    """Each with a built-in scene in the model's place, a grey sky, and small."""
+    Image(np.full((8, 16, 4), 0.5, dtype=np.float32)).save(tmp_path / "sky.hdr")
     words = shlex.split(line, comments=True)[1:]
-    words = ["cornell" if word == "model.glb" else word for word in words]
+    replaced = {"model.glb": "cornell", "sky.hdr": str(tmp_path / "sky.hdr"), "72": "2"}
+    words = [replaced.get(word, word) for word in words]
     if "-o" in words:
         words += ["--width", "16", "--height", "12"]
     done = limner_process(*words)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..errors import FileFormatError, SceneError, UnsupportedError
 
-__all__ = ["ALIGNS", "BASELINES", "Line", "Text", "TextBox", "measure", "rasterized"]
+__all__ = ["ALIGNS", "BASELINES", "Line", "Text", "TextBox", "family", "measure", "rasterized"]
 
 ALIGNS = ("left", "center", "right")
 BASELINES = ("top", "middle", "baseline", "bottom")
@@ -90,6 +90,12 @@ def measure(text: Text, x: float = 0.0, y: float = 0.0) -> TextBox:
     )
     left = x - share * widest
     return TextBox(left, y - above, left + widest, y - above + height, lines)
+
+
+def family(text: Text) -> str:
+    """The names of typefaces that a text may be set in, the canvas's own first, as style sheets write them."""
+    name = str(_face(text.font, text.size).getname()[0])
+    return f"{name}, Helvetica, Arial, sans-serif"
 
 
 def rasterized(text: Text, x: float, y: float, width: int, height: int) -> tuple[NDArray[np.float32], int, int]:

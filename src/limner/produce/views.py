@@ -56,11 +56,11 @@ _YFOV_DEGREES = 30.0
 _LEAST_SIDE, _GREATEST_SIDE = 128, 2048
 
 _PAPER: Rgb = (246, 247, 248)
-_GROUND: Rgb = (214, 217, 221)
+_GROUND: Rgb = (188, 194, 201)
 _INK: Rgb = (34, 38, 43)
-_FAINT: Rgb = (112, 119, 128)
+_FAINT: Rgb = (84, 91, 100)
 _ALARM: Rgb = (190, 30, 40)
-_AXIS_COLORS: tuple[Rgb, Rgb, Rgb] = ((196, 40, 44), (30, 122, 46), (34, 82, 190))
+_AXIS_COLORS: tuple[Rgb, Rgb, Rgb] = ((170, 22, 30), (14, 96, 32), (24, 62, 170))
 
 _BLANK = 0.0005  # of the pixels: less is nothing, or a speck
 _BLACK = 0.004  # luminance
@@ -329,8 +329,8 @@ class _Draft:
     def _axes(self, camera: Camera, x: int, y: int) -> None:
         """The world's axes in the lower left corner: arrows; a ring with a dot for what comes towards the eye, with a cross for what leaves."""
         size, letters = self._size, max(9, self._letters - 2)
-        reach = 0.085 * size
-        at = np.array([x + 0.5 * letters + 0.12 * size, y + size - 0.5 * letters - 0.12 * size])
+        reach = 0.066 * size
+        at = np.array([x + 0.5 * letters + 0.085 * size, y + size - 0.5 * letters - 0.12 * size])
         for name, tip in sorted(axis_tips(camera).items(), key=lambda item: item[1].towards):
             color = _AXIS_COLORS["xyz".index(name)]
             way = np.array([tip.right, -tip.up])

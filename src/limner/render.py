@@ -30,6 +30,7 @@ from .image.image import Image
 from .image.recipe import Recipe
 from .progress import Meter, OnProgress
 from .raster import pipeline
+from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
 from .raytrace import driver
 from .samples import pixel_samples
 from .scene.camera import Camera
@@ -52,6 +53,7 @@ _DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
 _TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
 _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
 
+_FREQUENCIES = {"fragment": PER_FRAGMENT, "vertex": PER_VERTEX, "flat": PER_TRIANGLE}
 _BLANK = "nothing of the scene is in the picture: the camera looks past it, or stands behind single-sided surfaces"
 
 Work = Callable[[Tile, int, int], None]
@@ -69,6 +71,7 @@ def render(
     max_depth: int = 8,
     shadows: bool = True,
     antialiasing: str = "multisample",
+    shading: str = "fragment",
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
@@ -101,6 +104,9 @@ def render(
         Whether what covers several samples of a pixel is shaded once, in the middle of them, or every sample for itself (`raster`).
         Edges are the same; supersampling is smoother where shading changes within a pixel, has the very colours of `ray`, and takes as
         many times longer to shade as there are samples.
+    shading : "fragment" | "vertex" | "flat"
+        Where colours are computed (`raster`): at every fragment, from interpolated normals; at the vertices, and interpolated (Gouraud);
+        or once for each triangle, with its own normal.
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
@@ -123,7 +129,7 @@ def render(
     """
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
-        antialiasing=antialiasing, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        antialiasing=antialiasing, shading=shading, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -148,7 +154,7 @@ class Renderer:
 
     Parameters
     ----------
-    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, threads, tile_size, aovs,
+    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, shading, threads, tile_size, aovs,
     default_lights
         As in `render`.
 
@@ -175,6 +181,7 @@ class Renderer:
         max_depth: int = 8,
         shadows: bool = True,
         antialiasing: str = "multisample",
+        shading: str = "fragment",
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
@@ -187,6 +194,9 @@ class Renderer:
         if antialiasing not in ("supersample", "multisample"):
             raise UnsupportedError(f'antialiasing must be "supersample" or "multisample", got {antialiasing!r}')
         self._multisample = _SAMPLES_AT_ONCE["raster"] if antialiasing == "multisample" and renderer == "raster" else 0
+        if shading not in _FREQUENCIES:
+            raise UnsupportedError(f"shading must be one of {', '.join(_FREQUENCIES)}, got {shading!r}")
+        self._shading = shading
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
         self._aovs = _wanted_aovs(aovs)
@@ -328,7 +338,7 @@ class Renderer:
         if is_raster:
             work = pipeline.prepare(
                 built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
-                tile_size=self._tile_size, multisample=self._multisample,
+                tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
             )  # fmt: skip
         elif self._renderer == "ray":
             work = driver.prepare(
@@ -392,6 +402,7 @@ class Renderer:
             "max_depth": self._max_depth,
             "shadows": self._shadows,
             "antialiasing": "multisample" if self._multisample else "supersample",
+            "shading": self._shading,
             "default_lights": self._default_lights,
             "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
         }

@@ -238,6 +238,110 @@ def convert(talk: Talk, /, **options: Any) -> None:
     run(Order(**options), talk)
 
 
+@limner.command(short_help="Turn a model once round: GIF, WebP, animated PNG, MP4 or a folder of pictures.")
+@click.argument("model")
+@click.option(
+    "-o", "--output", required=True, metavar="CLIP",
+    help=".gif, .webp, .png (animated), .mp4 (needs the extra video), or a folder for PNGs.",
+)  # fmt: skip
+@click.option("--frames", type=click.IntRange(1, 100_000), default=72, show_default=True, help="Pictures in a full turn.")
+@click.option("--fps", type=float, default=20.0, show_default=True, help="Pictures a second; at most 50 in a GIF.")
+@click.option("--elevation", type=click.FloatRange(-90.0, 90.0), default=20.0, show_default=True, help="Above the horizon, degrees.")
+@click.option("--azimuth", type=float, default=30.0, show_default=True, help="Of the first picture, from +z to +x, degrees.")
+@click.option("--yfov", type=float, default=30.0, show_default=True, help="The full vertical field of view, degrees.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=640, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=480, show_default=True, help="Rows.")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option(
+    "--lights", type=click.Choice(["auto", "camera", "world"]), default="auto", show_default=True,
+    help="auto: default light goes with the camera, the model's own stays; camera: all goes, as if the model turned; world: all stays.",
+)  # fmt: skip
+@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow (ray, path).")
+@click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_voice
+@click.pass_obj
+def turntable(talk: Talk, /, **options: Any) -> None:
+    """Turn MODEL once round before the camera.
+
+    \b
+        limner turntable model.glb -o clip.gif
+        limner turntable model.glb -o clip.webp --frames 120 --fps 30 --quality 85
+        limner turntable model.glb -o frames --width 1920 --height 1080 --renderer path
+
+    The clip has no seam. Ctrl-C leaves no half a file; in a folder, the pictures so far.
+    """
+    from .turntable import Order, make_turntable
+
+    order = Order(**options)
+    _check_size(order.width, order.height)
+    _check_yfov(order.yfov)
+    make_turntable(order, talk)
+
+
+@limner.command(short_help="Show a model from all sides on one sheet, with axes, measures and facts.")
+@click.argument("model")
+@click.option("-o", "--output", metavar="OUT", help="The picture file; may be left out with --json.")
+@click.option("--size", type=click.IntRange(128, 2048), default=320, show_default=True, help="Side of each view, pixels.")
+@click.option(
+    "--projection", type=click.Choice(["orthographic", "perspective"]), default="orthographic", show_default=True,
+    help="Of the views along the axes: parallel and at one scale, or each from the nearest eye.",
+)  # fmt: skip
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--own-lights", is_flag=True, help="Light it with its own lights instead of one beside the camera.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell the facts as JSON on standard output.")
+@_voice
+@click.pass_obj
+def views(talk: Talk, /, **options: Any) -> None:
+    """Show MODEL from the front, right, back, left, top, bottom and a corner: one sheet with axes, measures and facts.
+
+    \b
+        limner views model.glb -o sheet.png
+        limner views model.glb -o sheet.png --json        bounds, counts, materials, what is seen in each view, warnings
+    """
+    from .views import Order, make_views
+
+    order = Order(**options)
+    if order.output is None and not order.as_json:
+        raise click.UsageError("nothing was asked for: give -o, --json or both")
+    if order.output == "-" and order.as_json:
+        raise click.UsageError("--json and -o - both want standard output")
+    make_views(order, talk)
+
+
+@limner.command(short_help="Make a picture of every model in a folder.")
+@click.argument("folder")
+@click.option("-o", "--output", required=True, metavar="FOLDER", help="For the pictures; is made where it is not there.")
+@click.option("--size", type=click.IntRange(16, 4096), default=256, show_default=True, help="Width and height, pixels.")
+@click.option("--recursive", is_flag=True, help="Look into sub-folders, too.")
+@click.option("--update", is_flag=True, help="Keep pictures that are newer than their models.")
+@click.option("--sheet", metavar="OUT", help="Put all of them on one contact sheet, too.")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell what became of each model as JSON on standard output.")
+@_voice
+@click.pass_obj
+def thumbnails(talk: Talk, /, **options: Any) -> None:
+    """Make a picture of every model in FOLDER. One that fails is told of and does not stop the rest; the exit code is then 1.
+
+    \b
+        limner thumbnails models -o thumbs --recursive --update
+        limner thumbnails models -o thumbs --size 512 --sheet index.png
+    """
+    from .thumbnails import Order, make_thumbnails
+
+    make_thumbnails(Order(**options), talk)
+
+
 @limner.command(short_help="Compile everything now instead of at the first picture.")
 @_voice
 @click.pass_obj
@@ -267,4 +371,9 @@ def _check_camera(camera: str | None, eye: Triple | None, target: Triple | None,
         if value is not None and eye is None:
             raise click.UsageError(f"{name} needs --eye")
     if yfov is not None and not 0.0 < yfov < 180.0:
+        raise click.UsageError(f"--yfov must lie between 0 and 180 degrees, got {yfov:g}")
+
+
+def _check_yfov(yfov: float) -> None:
+    if not 0.0 < yfov < 180.0:
         raise click.UsageError(f"--yfov must lie between 0 and 180 degrees, got {yfov:g}")

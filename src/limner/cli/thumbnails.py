@@ -10,7 +10,7 @@ import click
 from ..errors import LimnerError
 from .bar import Bar
 from .main import FAILED, INTERRUPTED
-from .talk import Talk
+from .talk import Talk, flattened
 from .values import Background
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def make_thumbnails(order: Order, talk: Talk) -> None:
         )
     for item in batch.items:
         if item.error:
-            talk.say("failed", f"{item.source}: {item.error}")
+            click.echo(f"limner: error: {flattened(f'{item.source}: {item.error}')}", err=True)  # --quiet is about all else
         elif item.warning:
             talk.say("warning", f"{item.source}: {item.warning}")
     if order.sheet is not None and batch.items:

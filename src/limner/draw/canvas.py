@@ -7,8 +7,8 @@
     canvas.image().save("drawing.png")
     canvas.svg()                                     the same commands as a vector drawing
 
-x is the column and y the row from the top, with pixel centres at integers: the pixel (0, 0) is the square from -0.5 to 0.5. What is drawn
-lies over what was there, by the part of each pixel that it covers and by its alpha, as light mixes.
+x is the column and y the row from the top, with pixel centres at integers: the pixel (0, 0) is the square from -0.5 to 0.5.
+What is drawn lies over what was there, by the part of each pixel that it covers and by its alpha, as light mixes.
 
 **Source**: Porter and Duff, *Compositing digital images*, 1984 (over, premultiplied); FoCG 3.4.
 """
@@ -127,7 +127,7 @@ class Canvas:
 
     @classmethod
     def on(cls, image: Image) -> Canvas:
-        """Begin with a picture: what lies beside it (depth and the like) stays with it, its recipe, which no longer makes it, does not."""
+        """Begin with a picture. What lies beside it (depth and the like) stays, its recipe does not: it makes another."""
         canvas = cls(image.width, image.height)
         canvas._under = image
         canvas.paste(image, 0, 0)
@@ -299,7 +299,7 @@ class Canvas:
         return self._drawn(command)
 
     def pixel_lines(self, lines: ArrayLike, colors: Ink) -> Canvas:
-        """Draw lines of whole pixels by the midpoint algorithm, not antialiased; see `limner.draw.midpoint`. SVG has thin lines instead.
+        """Draw lines of whole pixels by the midpoint algorithm (`limner.draw.midpoint`), not antialiased; SVG has thin lines.
 
         Parameters
         ----------
@@ -325,8 +325,8 @@ class Canvas:
 
         Notes
         -----
-        Triangles of one call are tiles of one surface: where two share an edge, their parts of a pixel are added, and no seam is seen.
-        Where they overlap, they mix in equal parts.
+        Triangles of one call are tiles of one surface: where two share an edge, their parts of a pixel are added, and no seam
+        is seen. Where they overlap, they mix in equal parts.
 
         **Source**: FoCG 8.2.1, 8.1.2 (colours by barycentric coordinates).
         """
@@ -438,7 +438,7 @@ def _colors(colors: Any, count: int) -> Floats:
 
 
 def _gradients(corners: Floats, colors: Floats) -> Floats:
-    """(n, 20) float64: colour at x = y = 0, its change along x and y, its least and greatest; flat for triangles without area."""
+    """(n, 20) float64: colour at x = y = 0, change along x and y, least and greatest; flat for triangles without area."""
     p0, p1, p2 = corners[:, 0], corners[:, 1], corners[:, 2]
     (ax, ay), (bx, by) = (p1 - p0).T, (p2 - p0).T
     area = ax * by - ay * bx

@@ -1,11 +1,12 @@
 """Antialiasing by area: how much of each pixel a polygon covers (FoCG 8.2.1, 8.3).
 
-A pixel that a shape covers by a third is a third of its colour. The share is the exact area of the shape's part inside the pixel's
-square: the limit of infinitely many samples and a box filter. So the coverage of a shape adds up to its area, that of two neighbours with
-a common edge to one, and a shape moved by a hundredth of a pixel changes by a hundredth.
+A pixel that a shape covers by a third is a third of its colour. The share is the exact area of the shape's part inside the
+pixel's square: the limit of infinitely many samples and a box filter. So the coverage of a shape adds up to its area, that of
+two neighbours with a common edge to one, and a shape moved by a hundredth of a pixel changes by a hundredth.
 
-Polygons come as rings of points. What is inside is told by how often the rings wind around a place: any number but zero ("nonzero"), or
-an odd number ("evenodd"). A ring inside another is a hole under "evenodd", and under "nonzero" if it turns the other way.
+Polygons come as rings of points. What is inside is told by how often the rings wind around a place: any number but zero
+("nonzero"), or an odd number ("evenodd"). A ring inside another is a hole under "evenodd", and under "nonzero" if it turns the
+other way.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ from ..errors import SceneError, UnsupportedError
 from ..linear.project import check_size
 
 __all__ = [
-    "RULES", "Bounds", "Edges", "coverage", "edges_of_each", "edges_of_polygons", "edges_of_rings", "fill_edges", "mosaic_edges",
+    "RULES", "Bounds", "Edges", "coverage", "edges_of_each", "edges_of_polygons", "edges_of_rings", "fill_edges",
+    "mosaic_edges",
 ]  # fmt: skip
 
 Floats = NDArray[np.float64]

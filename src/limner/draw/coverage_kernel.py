@@ -1,19 +1,19 @@
 """How much of each pixel a shape covers, exactly, whatever its edges do to each other.
 
-A shape is a set of straight edges that come back to where they started. Row by row of pixels, the edges that are there are cut where one
-begins, ends, or crosses another; in such a slab they have an order from left to right, counting windings along it tells where the
-shape's inside begins and ends, and the edges where it does are its true outline. The outline's pieces are added up as signed areas: a
-piece adds, to all pixels on its right, the height that it spans, and to the pixels it passes through the part on its right. The running
-sum along the row is the covered area of each pixel, without any sampling.
+A shape is a set of straight edges that come back to where they started. Row by row of pixels, the edges that are there are cut
+where one begins, ends, or crosses another; in such a slab they have an order from left to right, counting windings along it
+tells where the shape's inside begins and ends, and the edges where it does are its true outline. The outline's pieces are added
+up as signed areas: a piece adds, to all pixels on its right, the height that it spans, and to the pixels it passes through the
+part on its right. The running sum along the row is the covered area of each pixel, without any sampling.
 
     edge        begins  y .-------.          slab: between two cuts all edges run from top to bottom
                          /  slab  |          and none crosses another
                       y' '--------'
 
-**Source**: the signed areas are those of Levien's font-rs (2016) and FreeType's smooth rasteriser (Turner, 2000), which both take the
-edges as they come: where two of them overlap in a pixel they add up what covers the same place twice. The cuts, as in Hobby,
-*Practical segment intersection with finite precision output*, 1999, and the sweep of Bentley and Ottmann, 1979, come first here, so that
-shapes that cross themselves, and strokes that are made of overlapping pieces, are exact too.
+**Source**: the signed areas are those of Levien's font-rs (2016) and FreeType's smooth rasteriser (Turner, 2000), which both
+take the edges as they come: where two of them overlap in a pixel they add up what covers the same place twice. The cuts, as in
+Hobby, *Practical segment intersection with finite precision output*, 1999, and the sweep of Bentley and Ottmann, 1979, come
+first here, so that shapes that cross themselves, and strokes that are made of overlapping pieces, are exact too.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ def _locate(edges, active, n, xs, where, y):
 @kernel
 def _sampled(edges, following, end, winding, even_odd, active, n, xs, y, y_end, left, right, row, touched):
     """Where edges are too many: slabs so thin that the edges in their middle, in their order there, will do."""
-    slabs = int(math.ceil((y_end - y) * _THIN))
+    slabs = math.ceil((y_end - y) * _THIN)
     height = (y_end - y) / slabs
     for slab in range(slabs):
         top, bottom = y + slab * height, y + (slab + 1) * height
@@ -305,8 +305,9 @@ def _steady_rows(edges, following, end, active, n, xs, y, lower):
 def fill_shapes(edges, winding, starts, shapes, bounds, even_odd, paint, mode, target, active, xs, row, touched):
     """Paint some shapes, one after the other.
 
-    `edges` stand in order of Y_TOP within each shape, in coordinates with the pixels' corners at integers; `bounds` is left, top, right,
-    bottom inside the picture; `paint` has a premultiplied colour (4), for MOSAIC with derivatives and range (20), for each shape.
+    `edges` stand in order of Y_TOP within each shape, in coordinates with the pixels' corners at integers; `bounds` is left,
+    top, right, bottom inside the picture; `paint` has a premultiplied colour (4), for MOSAIC with derivatives and range (20),
+    for each shape.
     """
     left, upper, right, lower = bounds[0], bounds[1], bounds[2], bounds[3]
     touched[0], touched[1] = target.shape[1], -1

@@ -45,7 +45,7 @@ def ink(color: Ink, name: str = "color") -> Rgba:
     if len(values) == 3:
         values.append(1.0)
     if len(values) != 4 or not all(math.isfinite(value) and value >= 0.0 for value in values) or values[3] > 1.0:
-        expected = "three numbers of linear light that are not negative, alpha from 0 to 1 if there is a fourth, or #RRGGBB (sRGB)"
+        expected = "three numbers of linear light, not negative, a fourth for alpha in [0, 1] if wanted, or #RRGGBB (sRGB)"
         raise SceneError(f"{name} must be {expected}, got {color!r}")
     return values[0], values[1], values[2], values[3]
 

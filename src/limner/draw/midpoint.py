@@ -1,9 +1,9 @@
 """Lines of whole pixels: the midpoint algorithm (FoCG 8.1.1).
 
-A line from (x0, y0) to (x1, y1) is a "reasonable" set of pixels: connected, thin, and as near to the true line as pixels can be. Where it
-is wider than high it has one pixel in each column, the one whose centre is nearest; where it is higher than wide, one in each row. Going
-from one column to the next there are two candidates, and the midpoint between them decides: is it below the line or above it? The
-implicit equation of the line tells, and it need not be evaluated anew, only added to.
+A line from (x0, y0) to (x1, y1) is a "reasonable" set of pixels: connected, thin, and as near to the true line as pixels can
+be. Where it is wider than high it has one pixel in each column, the one whose centre is nearest; where it is higher than wide,
+one in each row. Going from one column to the next there are two candidates, and the midpoint between them decides: is it below
+the line or above it? The implicit equation of the line tells, and it need not be evaluated anew, only added to.
 
     line_pixels(0, 0, 7, 3)
 
@@ -66,22 +66,22 @@ def line_pixels(
     x0, y0, x1, y1 : float
         Ends, in pixels with centres at integers; brought to the nearest 1/256 pixel. y may point up or down.
     clip : (left, top, right, bottom), optional
-        Only the pixels with left <= x < right and top <= y < bottom. They are the very pixels that the whole line has there, and what
-        lies outside is not walked.
+        Only the pixels with left <= x < right and top <= y < bottom. They are the very pixels that the whole line has there,
+        and what lies outside is not walked.
 
     Returns
     -------
     (n, 2) int64
-        x, y of each pixel, from the end with the smaller x (or y, where the line is higher than wide) on. Both directions give the same
-        pixels: where the line passes midway between two, the one with the smaller coordinate is taken. The first and last are the
-        pixels nearest to the ends. A line of no length is one pixel.
+        x, y of each pixel, from the end with the smaller x (or y, where the line is higher than wide) on. Both directions give
+        the same pixels: where the line passes midway between two, the one with the smaller coordinate is taken. The first and
+        last are the pixels nearest to the ends. A line of no length is one pixel.
 
     >>> line_pixels(0, 0, 7, 3)[:, 1].tolist()
     [0, 0, 1, 1, 2, 2, 3, 3]
 
-    **Source**: FoCG 8.1.1; Pitteway, *Algorithm for drawing ellipses or hyperbolae with a digital plotter*, 1967; Van Aken and Novak,
-    *Curve-drawing algorithms for raster displays*, 1985. For all slopes, for ends between pixels, and with the decision number started
-    in the first visible column.
+    **Source**: FoCG 8.1.1; Pitteway, *Algorithm for drawing ellipses or hyperbolae with a digital plotter*, 1967; Van Aken and
+    Novak, *Curve-drawing algorithms for raster displays*, 1985. For all slopes, for ends between pixels, and with the decision
+    number started in the first visible column.
     """
     line = snapped([[x0, y0, x1, y1]])[0]
     if clip is None:

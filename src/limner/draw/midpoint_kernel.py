@@ -1,15 +1,15 @@
 """The midpoint algorithm in whole numbers (FoCG 8.1.1).
 
-Coordinates are in units of 1/256 pixel, so that every product below is exact in 64 bits. A line that is wider than high is walked
-column by column; one that is higher than wide is the same line with x and y exchanged.
+Coordinates are in units of 1/256 pixel, so that every product below is exact in 64 bits. A line that is wider than high is
+walked column by column; one that is higher than wide is the same line with x and y exchanged.
 
 In column x the pixel's row is the one nearest to the line: y = ceil(y_line(x) - 1/2), ties going to the smaller y. With
 
     D = 2 S dx,    N(x) = 2 (Y0 dx + dy (S x - X0)) - S dx,    y = ceil(N / D)
 
-the number kept from column to column is d = N - D y, which is -2 times the book's implicit f(x, y + 1/2), scaled. It lies in (-D, 0].
-A step to the right adds 2 S dy; a positive d says that the line passes above the midpoint between this row and the next, so the next is
-drawn. The line that falls is the same with the other sign.
+the number kept from column to column is d = N - D y, which is -2 times the book's implicit f(x, y + 1/2), scaled. It lies in
+(-D, 0]. A step to the right adds 2 S dy; a positive d says that the line passes above the midpoint between this row and the
+next, so the next is drawn. The line that falls is the same with the other sign.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def _ceil_division(n: int, d: int) -> int:
 
 @kernel
 def _span(x0: int, y0: int, x1: int, y1: int, low_x: int, low_y: int, high_x: int, high_y: int) -> tuple[int, int]:
-    """First and last column whose pixel lies inside low <= pixel < high, of a line with x0 <= x1 and |slope| <= 1; empty: last < first.
+    """First and last column whose pixel lies in low <= pixel < high, for x0 <= x1 and |slope| <= 1; empty: last < first.
 
     The rows are solved for, not walked: y(x) >= low means N(x) > D (low - 1), and y(x) <= high - 1 means N(x) <= D (high - 1).
     """

@@ -1,10 +1,11 @@
-"""Paths: the outlines that are filled and stroked, made of straight lines, Bézier curves and arcs of ellipses (FoCG 8.2.1, 15.6.1).
+"""Paths: what is filled and stroked, made of straight lines, Bézier curves and arcs of ellipses (FoCG 8.2.1, 15.6.1).
 
     heart = Path().move_to(50, 30).cubic_to(50, 0, 0, 0, 0, 40).cubic_to(0, 60, 30, 75, 50, 100).close()
     ring = Path().circle(50, 50, 40).circle(50, 50, 20)       # a hole under the rule "evenodd"
 
-Coordinates are pixels with their centres at integers, x to the right, y down; angles are radians from +x towards +y, which on the screen
-is clockwise. To be drawn a path is flattened: curves become chords that nowhere stray from them by more than a tolerance.
+Coordinates are pixels with their centres at integers, x to the right, y down; angles are radians from +x towards +y, which on
+the screen is clockwise. To be drawn a path is flattened: curves become chords that nowhere stray from them by more than a
+tolerance.
 """
 
 from __future__ import annotations
@@ -52,8 +53,8 @@ class Cubic(NamedTuple):
     def flattened(self, start: Floats, tolerance: float) -> Floats:
         """Points on the curve after `start`, evenly spaced in its parameter.
 
-        **Source**: Wang, Shen and others' bound, as in Farin, *Curves and Surfaces for CAGD*, 5th ed., 2002, 5.7: n chords stray by at most
-        d (d - 1) / (8 n^2) times the greatest second difference of the control points, with the degree d = 3.
+        **Source**: Wang, *The subdivision method for finding the intersection between two Bézier curves or surfaces*, 1984: n
+        chords stray by at most d (d - 1) / (8 n^2) times the greatest second difference of the control points; here d = 3.
         """
         control = np.vstack([start, self.points])
         bend = float(np.linalg.norm(control[:-2] - 2.0 * control[1:-1] + control[2:], axis=1).max())
@@ -247,7 +248,7 @@ class Path:
         return self
 
     def rectangle(self, x: float, y: float, width: float, height: float, radius: float = 0.0) -> Path:
-        """Add a rectangle from its corner (x, y), which for whole pixels lies half a pixel from their centres; `radius` rounds it."""
+        """Add a rectangle from its corner (x, y), for whole pixels half a pixel from their centres; `radius` rounds it."""
         (x, y), (width, height) = _points([[x, y], [width, height]]).tolist()
         if not (width >= 0.0 and height >= 0.0 and 0.0 <= radius < math.inf):
             raise SceneError(f"a rectangle's sides and radius must not be negative, got {width}, {height} and {radius}")

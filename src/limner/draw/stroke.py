@@ -1,7 +1,8 @@
 """Lines with a width: what a pen covers that follows a path (FoCG 8.1.1: thick lines).
 
-A stroke is the union of simple pieces: a rectangle along each line, a wedge on the outer side of each corner, a cap at each end. All pieces
-turn the same way, so the rule "nonzero" makes their union of them, and because coverage is exact the seams between them do not show.
+A stroke is the union of simple pieces: a rectangle along each line, a wedge on the outer side of each corner, a cap at each
+end. All pieces turn the same way, so the rule "nonzero" makes their union of them, and because coverage is exact the seams
+between them do not show.
 
     butt    |====|        miter   the sides go on until they meet, unless that is too far
     round  (|====|)       round   a sector of a circle
@@ -96,7 +97,8 @@ def stroke_polygons(path: Path, pen: Pen, tolerance: float = TOLERANCE) -> list[
     list of (n, k, 2) float64
         Convex polygons, k points each, all of which turn from +x towards +y; the stroke is their union.
 
-    **Source**: Adobe, *PostScript Language Reference*, 3rd edition, 7.5 (setlinecap, setlinejoin, setmiterlimit, setdash); W3C, SVG 2, 13.5.
+    **Source**: Adobe, *PostScript Language Reference*, 3rd edition, 4.5.1 and 8.2 (setlinecap, setlinejoin, setmiterlimit,
+    setdash); W3C, *Scalable Vector Graphics (SVG) 2*, 13.5.
     """
     chains = path.flattened(tolerance)
     if pen.dashes:

@@ -1,9 +1,9 @@
 """A canvas as SVG: the same commands as vectors, so that a chart can be printed at any size (SVG 1.1).
 
-Curves stay curves and arcs stay arcs; numbers are written with at most four decimals, so that the same drawing gives the same text. Three
-things differ from the pixels of the canvas: viewers mix colours as sRGB codes and not as light, which shows where something is transparent
-and along edges; they set text in a face of their own where they lack the canvas's, squeezed to the same length; and triangles whose corners
-differ in colour, which SVG has no means for, are a picture of the canvas's size.
+Curves stay curves and arcs stay arcs; numbers are written with at most four decimals, so that the same drawing gives the same
+text. Three things differ from the pixels of the canvas: viewers mix colours as sRGB codes and not as light, which shows where
+something is transparent and along edges; they set text in a face of their own where they lack the canvas's, squeezed to the
+same length; and triangles whose corners differ in colour, which SVG has no means for, are a picture of the canvas's size.
 """
 
 from __future__ import annotations
@@ -131,11 +131,12 @@ def _triangles(command: Triangles, width: int, height: int) -> list[str]:
 
 
 def _text(command: Written) -> list[str]:
-    style = f'font-family={quoteattr(family(command.text))} font-size="{_number(command.text.size)}"{_paint("fill", command.color)}'
+    text = command.text
+    style = f'font-family={quoteattr(family(text))} font-size="{_number(text.size)}"{_paint("fill", command.color)}'
     return [
         f'<text x="{_number(line.x)}" y="{_number(line.y)}" textLength="{_number(line.advance)}" xml:space="preserve"'
         f' lengthAdjust="spacingAndGlyphs" {style}>{_words(line.words)}</text>'
-        for line in measure(command.text, command.x, command.y).lines
+        for line in measure(text, command.x, command.y).lines
         if line.words.strip()
     ]
 

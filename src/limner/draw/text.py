@@ -3,7 +3,8 @@
 A line of text stands on its baseline. Where that lies relative to the given point (x, y) is said by `align` and `baseline`:
 
     align      left, center or right: which part of the line stands at x
-    baseline   top, middle, baseline or bottom: which height of the whole block stands at y; "baseline" is that of the first line
+    baseline   top, middle, baseline or bottom: which height of the whole block stands at y;
+               "baseline" is that of the first line
 
 Pillow is imported when the first text is set.
 """
@@ -151,7 +152,8 @@ def _face(font: str | None, size: float) -> Any:
 
     if font is None:
         # The plain layout: the other needs a library that may or may not be there, and pictures must not depend on that.
-        return ImageFont.load_default(size).font_variant(layout_engine=ImageFont.Layout.BASIC)
+        carried: Any = ImageFont.load_default(size)
+        return carried.font_variant(layout_engine=ImageFont.Layout.BASIC)
     try:
         return ImageFont.truetype(os.fspath(font), size)
     except OSError as error:

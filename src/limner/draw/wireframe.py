@@ -4,12 +4,12 @@
     camera_from_world, K              where it is seen: linear.projection, linear.project
     image.aov["depth"]                what hides it
 
-    seen = visible_segments(positions[edges[:, 0]], positions[edges[:, 1]], camera_from_world, K, perspective=True, width=w, height=h,
-                            depth=image.aov["depth"])
+    seen = visible_segments(positions[edges[:, 0]], positions[edges[:, 1]], camera_from_world, K, perspective=True,
+                            width=w, height=h, depth=image.aov["depth"])
     draw_wireframe(Canvas.on(image), seen, "black", 1.2, hidden="#00000030")
 
-Depth is compared along the line, at its middle, and not in each pixel that its width covers: so a line keeps its width at a silhouette.
-Near the outline of what hides it, a hidden line may show for a pixel.
+Depth is compared along the line, at its middle, and not in each pixel that its width covers: so a line keeps its width at a
+silhouette. Near the outline of what hides it, a hidden line may show for a pixel.
 """
 
 from __future__ import annotations
@@ -98,7 +98,8 @@ def visible_segments(
     Seen
         In the lines' order, cut to the picture and a few pixels around it.
 
-    **Source**: FoCG 8.1.3 (clipping before the division), 11.3.1 (depth along a line on the screen), 8.2.3 (the z-buffer's test).
+    **Source**: FoCG 8.1.3 (clipping before the division), 11.3.1 (depth along a line on the screen), 8.2.3 (the z-buffer's
+    test).
     """
     check_size(width, height)
     a, b, source = _before_eye(_triples(starts, "starts"), _triples(ends, "ends"), camera_from_world, perspective, near)
@@ -119,7 +120,12 @@ def visible_segments(
 
 
 def draw_wireframe(
-    canvas: Canvas, seen: Seen, color: Ink, pen: Pen | float = 1.0, hidden: Ink | None = None, hidden_pen: Pen | float | None = None
+    canvas: Canvas,
+    seen: Seen,
+    color: Ink,
+    pen: Pen | float = 1.0,
+    hidden: Ink | None = None,
+    hidden_pen: Pen | float | None = None,
 ) -> Canvas:
     """Draw pieces of lines.
 

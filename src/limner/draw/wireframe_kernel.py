@@ -1,8 +1,9 @@
 """Which parts of a line in space are seen, by the depths of a picture.
 
-Along the line on the screen, in perspective, the reciprocal of the depth changes evenly; in a parallel projection the depth itself. Twice a
-pixel the line's depth is compared with the picture's. The surface that the line lies on must not hide it, although the picture knows its
-depth at pixel centres only: the farthest of the four around the place counts, and the surface's own slope of one pixel is forgiven.
+Along the line on the screen, in perspective, the reciprocal of the depth changes evenly; in a parallel projection the depth
+itself. Twice a pixel the line's depth is compared with the picture's. The surface that the line lies on must not hide it,
+although the picture knows its depth at pixel centres only: the farthest of the four around the place counts, and the surface's
+own slope of one pixel is forgiven.
 """
 
 from __future__ import annotations
@@ -31,20 +32,20 @@ def _slope(inner: float, outer: float) -> float:
 
 @kernel
 def _slope_across(before: float, first: float, second: float, after: float) -> float:
-    """The surface's slope at a place between two pixels: the lesser of those beside it, lest the step at an outline be one; 0 if unknown."""
+    """The surface's slope between two pixels: the lesser of those beside them, for outlines are steps; 0 if unknown."""
     slope = min(_slope(first, before), _slope(second, after))
     return slope if slope < math.inf else 0.0
 
 
 @kernel
 def _is_seen(depth: np.ndarray, x: float, y: float, d: float, bias: float) -> bool:
-    i, j = int(math.floor(x)), int(math.floor(y))
+    i, j = math.floor(x), math.floor(y)
     d00, d10 = _depth_at(depth, i, j), _depth_at(depth, i + 1, j)
     d01, d11 = _depth_at(depth, i, j + 1), _depth_at(depth, i + 1, j + 1)
     farthest = max(max(d00, d10), max(d01, d11))
     if d * (1.0 - bias) <= farthest:
         return True
-    near_i, near_j = int(math.floor(x + 0.5)), int(math.floor(y + 0.5))
+    near_i, near_j = math.floor(x + 0.5), math.floor(y + 0.5)
     across = _slope_across(
         _depth_at(depth, i - 1, near_j), _depth_at(depth, i, near_j),
         _depth_at(depth, i + 1, near_j), _depth_at(depth, i + 2, near_j),
@@ -60,8 +61,8 @@ def _is_seen(depth: np.ndarray, x: float, y: float, d: float, bias: float) -> bo
 def find_runs(lines, depth, perspective, bias, writing, runs, line_of, count):
     """Cut lines into runs that are seen or hidden throughout.
 
-    `lines` has x0, y0, x1, y1 and the depths at both ends; `runs` gets start and end (0 to 1) and whether it is seen; with `writing` 0 they
-    are only counted.
+    `lines` has x0, y0, x1, y1 and the depths at both ends; `runs` gets start and end (0 to 1) and whether it is seen; with
+    `writing` 0 they are only counted.
     """
     n = 0
     for k in range(lines.shape[0]):
@@ -69,7 +70,7 @@ def find_runs(lines, depth, perspective, bias, writing, runs, line_of, count):
         s0, s1 = lines[k, 4], lines[k, 5]
         if perspective == 1:
             s0, s1 = 1.0 / s0, 1.0 / s1
-        steps = max(1, int(math.ceil(_STEPS * max(abs(x1 - x0), abs(y1 - y0)))))
+        steps = max(1, math.ceil(_STEPS * max(abs(x1 - x0), abs(y1 - y0))))
         start, seen_before = 0, 0
         for step in range(steps + 1):
             seen = -1

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from ..errors import RenderError, SceneError, UnsupportedError
 from ..image.image import Image
 from ..image.recipe import KEYWORD, recipe_text
+from ..tiles import Cancelled
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -62,10 +63,6 @@ class Clip:
     fps: float
     finished: bool
     warnings: tuple[str, ...] = ()
-
-
-class _Stopped(Exception):
-    """The pictures ended before their time."""
 
 
 class _Order(NamedTuple):
@@ -142,7 +139,7 @@ def write_clip(pictures: Iterable[Image], path: str | os.PathLike[str], *, fps: 
         else:
             with _whole(place) as part:
                 kind.write(iter(counted), part, _Order(float(fps), quality))
-    except (_Stopped, KeyboardInterrupt):
+    except (Cancelled, KeyboardInterrupt):
         finished = False
     except OSError as error:
         raise RenderError(f"cannot write {place}: {error.strerror or error}") from error
@@ -162,7 +159,7 @@ class _Counted:
         size = None
         for image in self._pictures:
             if not image.finished:
-                raise _Stopped
+                raise Cancelled
             size = size or (image.width, image.height)
             if (image.width, image.height) != size:
                 raise SceneError(f"pictures of a clip must be of one size, got {size} and {(image.width, image.height)}")
@@ -249,7 +246,7 @@ def _write_gif(pictures: Iterator[Image], part: Path, order: _Order) -> None:
     from .palette import Tally, fitted
 
     tally, shape, n, text = Tally(), (0, 0, 3), 0, ""
-    with tempfile.SpooledTemporaryFile(max_size=_MOST_IN_MEMORY) as spool:  # type: ignore[type-abstract]
+    with tempfile.SpooledTemporaryFile(max_size=_MOST_IN_MEMORY) as spool:
         for image in pictures:
             picture = _over_white(image)
             tally.add(picture)
@@ -321,7 +318,7 @@ def _write_apng(pictures: Iterator[Image], part: Path, order: _Order) -> None:
                 file.write(_SIGNATURE + _chunk(b"IHDR", head) + _chunk(b"sRGB", bytes([_PERCEPTUAL])) + _chunk(b"iTXt", told))
                 count_at = file.tell()
                 file.write(_chunk(b"acTL", struct.pack(">II", 0, 0)))
-            # Chunks of the animation are numbered: a control for each picture, and data for all but the first, whose data are the PNG's own.
+            # Chunks of the animation are numbered: a control for each picture, then its data; those of the first are the PNG's own.
             control = struct.pack(">IIIIIHH", max(2 * n - 1, 0), image.width, image.height, 0, 0, *delay) + _REPLACE
             data = _deflated(image.to_uint8())
             file.write(_chunk(b"fcTL", control))

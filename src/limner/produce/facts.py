@@ -41,15 +41,12 @@ Floats = NDArray[np.float64]
 
 
 def number(value: float) -> str:
-    """A number as people write it, with four digits.
+    """A number as people write it: to four digits, but whole numbers whole.
 
     >>> number(1.23456), number(12345.6), number(0.00012), number(0.0), number(3e9)
     ('1.235', '12346', '0.00012', '0', '3e+09')
     """
-    if value and not 1e-4 <= abs(value) < 1e7:
-        return f"{value:.4g}"
-    digits = 0 if abs(value) >= 1000.0 else 4 - max(1, math.floor(math.log10(abs(value))) + 1) if value else 0
-    return f"{value:.{max(digits, 0)}f}".rstrip("0").rstrip(".") if digits > 0 else f"{value:.0f}"
+    return f"{value:.0f}" if 1000.0 <= abs(value) < 1e7 else f"{value:.4g}"
 
 
 def facts(scene: Scene) -> dict[str, Any]:
@@ -88,9 +85,7 @@ def facts(scene: Scene) -> dict[str, Any]:
         "triangles": sum(len(mesh.triangles) for mesh in meshes),
         "drawn_triangles": sum(len(shape.geometry.triangles) for _, shape in shown if isinstance(shape.geometry, Mesh)),
         "vertices": sum(len(mesh.positions) for mesh in meshes),
-        "meshes_with": {
-            what: sum(getattr(mesh, what) is not None for mesh in meshes) for what in ("normals", "uvs", "colors", "tangents")
-        },
+        "meshes_with": {what: sum(getattr(mesh, what) is not None for mesh in meshes) for what in ("normals", "uvs", "colors", "tangents")},
         "n_materials": len(materials),
         "materials": [_material(material) for material in materials[:MOST_LISTED]],
         "n_textures": len(textures),
@@ -230,7 +225,8 @@ def guess_up(scene: Scene) -> dict[str, str]:
             return {"axis": f"+{'xyz'[k]}", "confidence": "high" if starts[k] else "medium", "because": because}
     for k in (1, 2):
         if starts[k] and all(straddles[m] for m in range(3) if m != k):
-            return {"axis": f"+{'xyz'[k]}", "confidence": "medium", "because": f"it begins at {'xyz'[k]} = 0 and lies on both sides of the others"}
+            because = f"it begins at {'xyz'[k]} = 0 and lies on both sides of the others"
+            return {"axis": f"+{'xyz'[k]}", "confidence": "medium", "because": because}
     return usual
 
 

@@ -56,7 +56,7 @@ class Tally:
         """Count the colours of a picture, (height, width, 3) uint8."""
         found, counts = np.unique(_codes(picture[::_SKIP, ::_SKIP]), return_counts=True)
         self._codes, place = np.unique(np.concatenate([self._codes, found]), return_inverse=True)
-        self._counts = np.bincount(place, np.concatenate([self._counts, counts]))
+        self._counts = np.bincount(place, np.concatenate([self._counts, counts])).astype(np.float64)
         if len(self._codes) > _MOST_KEPT:
             self._codes, self._counts = _coarser(self._codes, self._counts)
 
@@ -74,7 +74,7 @@ class Tally:
 def _coarser(codes: Codes, counts: Floats) -> tuple[Codes, Floats]:
     """Two levels of each channel become one."""
     merged, place = np.unique(codes & 0xFEFEFE, return_inverse=True)
-    return merged, np.bincount(place, counts)
+    return merged, np.bincount(place, counts).astype(np.float64)
 
 
 class Palette(NamedTuple):

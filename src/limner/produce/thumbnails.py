@@ -15,6 +15,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -264,6 +265,7 @@ def index_sheet(batch: Batch) -> Image:
     caption = round(1.7 * letters)
     grid = grid_for(len(batch.items), cell, cell + caption, max(3, cell // 24), 16.0 / 10.0)
     canvas = Canvas(*grid.size, _PAPER)
+    names = _names(batch)
     for index, item in enumerate(batch.items):
         x, y = grid.corner(index)
         canvas.box(x, y, cell, cell, _GROUND)
@@ -271,11 +273,19 @@ def index_sheet(batch: Batch) -> Image:
         if image is not None:
             canvas.picture(x + (cell - image.width) // 2, y + (cell - image.height) // 2, image)
         else:
-            for k, line in enumerate(wrapped(item.error or "there is no picture", letters, cell - letters)[: max(1, cell // (letters + 3) - 1)]):
+            lines = wrapped(item.error or "there is no picture", letters, cell - letters)
+            for k, line in enumerate(lines[: max(1, cell // (letters + 3) - 1)]):
                 canvas.text(x + letters // 2, y + letters // 2 + k * (letters + 3), line, size=letters, color=_ALARM)
-        name = shortened(item.source.name, letters, cell)
+        name = shortened(names[index], letters, cell)
         canvas.text(x + cell / 2, y + cell + caption / 2, name, size=letters, color=_ALARM if item.error else _INK, anchor="mm")
     return canvas.image(finished=batch.finished)
+
+
+def _names(batch: Batch) -> list[str]:
+    """The name of each file; where several are called the same, with its folder's."""
+    names = [item.source.name for item in batch.items]
+    seen = Counter(names)
+    return [name if seen[name] == 1 else f"{item.source.parent.name}/{name}" for name, item in zip(names, batch.items, strict=True)]
 
 
 def _cell_size(n: int) -> int:
@@ -306,4 +316,3 @@ def _read(path: Path) -> Any:
 
     with pillow.open(path) as picture:
         return np.asarray(picture.convert("RGBA"))
-

@@ -41,7 +41,7 @@ from ..scene.node import Node
 from ..scene.scene import Scene
 from .clip import Clip, check_clip, write_clip
 
-__all__ = ["LIGHTS", "turntable", "turntable_cameras", "write_turntable"]
+__all__ = ["LIGHTS", "nearest_eye", "turntable", "turntable_cameras", "without_lights", "write_turntable"]
 
 LIGHTS = ("auto", "camera", "world")
 MAX_FRAMES = 100_000
@@ -339,9 +339,10 @@ class _Rig:
 
 
 def without_lights(node: Node) -> Node:
+    """The same graph with nothing that shines but surfaces; what has no light in it is the same node."""
     children = []
-    for child in node.children:
-        children.append(without_lights(child))  # noqa: PERF401 - a comprehension's own frame would halve the depth of graphs
+    for child in node.children:  # a comprehension's own frame would halve the depth of the graphs that fit on the stack
+        children.append(without_lights(child))
     same = not node.lights and all(a is b for a, b in zip(children, node.children, strict=True))
     return node if same else dataclasses.replace(node, lights=(), children=tuple(children))
 

@@ -237,8 +237,8 @@ def _without_planes(scene: Scene) -> tuple[Scene, list[str]]:
 
 def _bounded(node: Node) -> Node:
     children = []
-    for child in node.children:
-        children.append(_bounded(child))  # noqa: PERF401 - a comprehension's own frame would halve the depth of graphs
+    for child in node.children:  # a comprehension's own frame would halve the depth of the graphs that fit on the stack
+        children.append(_bounded(child))
     shapes = tuple(shape for shape in node.shapes if not isinstance(shape.geometry, Plane))
     same = len(shapes) == len(node.shapes) and all(a is b for a, b in zip(children, node.children, strict=True))
     return node if same else dataclasses.replace(node, shapes=shapes, children=tuple(children))
@@ -299,22 +299,22 @@ class _Draft:
         self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.4) for edge in far)
         self.canvas.picture(x, y, image)
         self.canvas.lines(Stroke(places[list(edge)].tolist(), _FAINT, 1.0, 0.6) for edge in near)
-        self._measures(places, (x, y))
+        self._measures(camera, places, (x, y))
         self._axes(camera, x, y)
         pad = letters // 2
         self.canvas.text(x + pad, y + pad, name, size=letters, color=_INK)
         self.canvas.text(x + size - pad, y + pad, VIEWS[name][2], size=max(9, letters - 2), color=_FAINT, anchor="ra")
 
-    def _measures(self, places: Floats, corner: tuple[int, int]) -> None:
-        """Write the length of each axis beside an outer edge of the box."""
+    def _measures(self, camera: Camera, places: Floats, corner: tuple[int, int]) -> None:
+        """Write the length of each axis that does not lie along the gaze beside an outer edge of the box."""
         size, letters = self._size, max(9, self._letters - 2)
         middle = places.mean(axis=0)
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
-        for axis in range(3):
+        for axis, tip in enumerate(axis_tips(camera).values()):
             edge = _outer_edge(places, middle, axis)
             along = edge[1] - edge[0]
             length = float(np.hypot(*along))
-            if length < 0.06 * size:
+            if abs(tip.towards) > 0.95 or not length > 0.0:
                 continue
             outwards = edge.mean(axis=0) - middle
             across = np.array([-along[1], along[0]]) / length
@@ -327,7 +327,7 @@ class _Draft:
             self.canvas.text(x, y, words, size=letters, color=_AXIS_COLORS[axis], anchor=anchor, halo=_GROUND)
 
     def _axes(self, camera: Camera, x: int, y: int) -> None:
-        """The world's axes in the lower left corner: arrows; a ring with a dot for what comes towards the eye, with a cross for what leaves."""
+        """The world's axes in the lower left corner: arrows; out of the picture a ring with a dot, into it one with a cross."""
         size, letters = self._size, max(9, self._letters - 2)
         reach = 0.066 * size
         at = np.array([x + 0.5 * letters + 0.085 * size, y + size - 0.5 * letters - 0.12 * size])
@@ -341,7 +341,7 @@ class _Draft:
             else:
                 self._arrow(at, at + reach * way, color)
                 beside = at + way * (reach + 0.6 * letters / max(length, 0.5))
-            self.canvas.text(*beside.tolist(), name, size=letters, color=color, anchor="mm")
+            self.canvas.text(float(beside[0]), float(beside[1]), name, size=letters, color=color, anchor="mm")
 
     def _arrow(self, start: Floats, end: Floats, color: Rgb) -> None:
         way = (end - start) / float(np.hypot(*(end - start)))

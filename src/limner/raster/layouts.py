@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["GUARD_BAND", "MAX_CLIPPED", "SCREEN_TRIANGLE", "SUBPIXELS"]
+__all__ = ["GUARD_BAND", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS"]
 
 f32, i32 = np.float32, np.int32
+
+# Where the shading is computed
+PER_FRAGMENT, PER_VERTEX, PER_TRIANGLE = 0, 1, 2
 
 SUBPIXELS = 256
 """Screen vertices lie on a grid of 1/256 pixel, where edge functions are exact integers."""

@@ -21,7 +21,7 @@ from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
 from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
-from .layouts import MAX_CLIPPED, SCREEN_TRIANGLE
+from .layouts import MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
 
 __all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
 
@@ -69,7 +69,7 @@ _DRAW = Door(
     "draw_tile",
     (
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
-        Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, Array(np.int32, 2), Array(np.float32, 1),
+        Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64, Array(np.int32, 2), Array(np.float32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
         Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
@@ -133,6 +133,7 @@ def prepare(
     threads: int,
     tile_size: int = TILE_SIZE,
     multisample: int = 0,
+    frequency: int = PER_FRAGMENT,
 ) -> Callable[[Tile, int, int], None]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
 
@@ -147,6 +148,8 @@ def prepare(
         Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
     multisample : int
         0: every sample is shaded; n: samples come n at a time, and what covers several is shaded once.
+    frequency : PER_FRAGMENT | PER_VERTEX | PER_TRIANGLE
+        Where the shading is computed.
     """
     height, width = film.shape[:2]
     vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
@@ -158,7 +161,7 @@ def prepare(
         def __init__(self) -> None:
             scratch = _Scratch(tile_size * tile_size, max(1, multisample)).arrays
             self.draw = _DRAW.bind(
-                *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, sample_places, background, *scratch, film
+                *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, frequency, sample_places, background, *scratch, film
             )
 
     worker = Worker()

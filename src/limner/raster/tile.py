@@ -36,13 +36,13 @@ def _sample_point(p: int, window, ox: int, oy: int):
 
 
 @kernel
-def _blend_layer(screen, window, ox, oy, n, camera, scene, lighting, frame, next_depth, next_seen, last_depth, last_seen, layers, transmittance):
+def _blend_layer(screen, window, ox, oy, n, camera, scene, lighting, frame, frequency, next_depth, next_seen, last_depth, last_seen, layers, transmittance):
     """Put one layer of transparent fragments behind those already there (front to back), and remember how far it went."""
     for p in range(n):
         if next_seen[p] < 0:
             continue
         x, y = _sample_point(p, window, ox, oy)
-        c, alpha = shade_fragment(screen[next_seen[p]], x, y, camera, scene, lighting, frame)
+        c, alpha = shade_fragment(screen[next_seen[p]], x, y, camera, scene, lighting, frame, frequency)
         weight = transmittance[p] * alpha
         layers[p, 0] += weight * c.r
         layers[p, 1] += weight * c.g
@@ -80,7 +80,7 @@ def _leave_empty(window, background, samples: int, film):
 
 
 @kernel
-def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, background, scratch, film):
+def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, frequency, background, scratch, film):
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance = scratch
     n = window[2] * window[3]
@@ -96,7 +96,7 @@ def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blen
             if not fill_transparent(screen, binned, first, last, window, ox, oy, depth, last_depth, last_seen, next_depth, next_seen):
                 break
             _blend_layer(
-                screen, window, ox, oy, n, camera, scene, lighting, frame, next_depth, next_seen, last_depth, last_seen, layers,
+                screen, window, ox, oy, n, camera, scene, lighting, frame, frequency, next_depth, next_seen, last_depth, last_seen, layers,
                 transmittance,
             )  # fmt: skip
     p = 0
@@ -113,14 +113,14 @@ def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blen
             else:
                 c, alpha = Color(ZERO, ZERO, ZERO), ONE
                 if t > BLACK_LIMIT:
-                    c, _ = shade_fragment(screen[seen[p]], x, y, camera, scene, lighting, frame)
+                    c, _ = shade_fragment(screen[seen[p]], x, y, camera, scene, lighting, frame, frequency)
             _add(film, i, j, in_front + c * t, alpha_in_front + t * alpha)
             p += 1
 
 
 @kernel
 def _multisample(
-    screen, binned, first, last, window, sample_places, first_sample, last_sample, farthest, camera, scene, lighting, frame, background,
+    screen, binned, first, last, window, sample_places, first_sample, last_sample, farthest, camera, scene, lighting, frame, frequency, background,
     depth, seen, film,
 ):  # fmt: skip
     """Some samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
@@ -151,7 +151,7 @@ def _multisample(
                 if surface < 0:
                     c, alpha = _behind(lighting, background, camera, x, y)
                 else:
-                    c, _ = shade_fragment(screen[surface], x, y, camera, scene, lighting, frame)
+                    c, _ = shade_fragment(screen[surface], x, y, camera, scene, lighting, frame, frequency)
                     alpha = ONE
                 _add(film, i, j, c * weight, alpha * weight)
                 if count == samples:
@@ -163,7 +163,7 @@ def _multisample(
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, camera_table, vertices, first_vertex, screen, binned, bin_range, has_blend, multisample,
-    sample_places, background, depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance, film,
+    frequency, sample_places, background, depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Draw some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom.
@@ -185,11 +185,11 @@ def draw_tile(
     if multisample != 0 and has_blend == 0:
         _multisample(
             screen, binned, first, last, window, sample_places, first_sample, last_sample, farthest, camera, scene, lighting, frame,
-            background, depth, seen, film,
+            frequency, background, depth, seen, film,
         )  # fmt: skip
         return
     for s in range(first_sample, last_sample):
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
-            screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, background, scratch, film
+            screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, frequency, background, scratch, film
         )

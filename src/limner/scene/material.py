@@ -84,9 +84,12 @@ class BlinnPhong:
         ka; None: the diffuse coefficient, texture and all.
     mirror : three floats >= 0
         km: what an ideal reflection is multiplied by.
+    highlight : "blinn" | "phong"
+        (n.h)^p with the half vector (FoCG 4.5.2), or (r.e)^p with the reflected light (FoCG 10.2.1).
     normalized : bool
         Scale the highlight by (p + 2) / 8, so that seen from straight above it sends out ks of what it gets, whatever p: the integral
-        of (n.h)^p over directions is ``8 pi / (p + 2)``, but for what lies below the horizon. The book's formula is without.
+        of (n.h)^p over directions is ``8 pi / (p + 2)``, but for what lies below the horizon. (r.e)^p: by (p + 1) / 2. The book's
+        formulas are without.
     diffuse_texture, specular_texture : Texture, optional
         Multiply kd and ks.
     """
@@ -97,6 +100,7 @@ class BlinnPhong:
     ambient: Triple | None = None
     mirror: Triple = (0.0, 0.0, 0.0)
     emission: Triple = (0.0, 0.0, 0.0)
+    highlight: Literal["blinn", "phong"] = "blinn"
     normalized: bool = False
     diffuse_texture: Texture | None = None
     specular_texture: Texture | None = None
@@ -112,6 +116,8 @@ class BlinnPhong:
         if self.ambient is not None:
             _put_color(self, "ambient")
         _put_number(self, "exponent", 0.0, 1e6)
+        if self.highlight not in ("blinn", "phong"):
+            raise SceneError(f'material.highlight must be "blinn" or "phong", got {self.highlight!r}', self.name)
         _check_surface(self)
 
 

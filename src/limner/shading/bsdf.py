@@ -12,11 +12,11 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
-from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE
+from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
 from .fresnel import schlick_weight
 from .lambert import eval_lambert
 from .microfacet import eval_ggx
-from .phong import eval_blinn_phong
+from .phong import eval_blinn_phong, eval_phong
 from .surface import SurfacePoint
 from .texture import sample_texture
 
@@ -32,8 +32,8 @@ class Bsdf(NamedTuple):
 
     ns: Vec3  # shading normal, unit, after the normal map
     diffuse: Color  # kd
-    specular: Color  # ks of the Blinn-Phong highlight
-    exponent: np.float32
+    specular: Color  # ks of the highlight
+    exponent: np.float32  # its p; negative: Phong's with exponent -p
     f0: Color  # microfacet lobe: reflectance at normal incidence
     roughness2: np.float32  # its alpha: perceptual roughness squared
     ambient: Color  # what ambient light is multiplied by
@@ -110,7 +110,8 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         ks = _color3(material["specular"]) * _textured(material["specular_texture"], point, textures, texels)
         ks = ks * material["specular_scale"]
         km = _color3(material["mirror"])
-        return Bsdf(point.ns, base, ks, material["exponent"], black, ONE, ambient, km, emission, alpha, base)
+        p = -material["exponent"] if material["highlight"] == PHONG else material["exponent"]
+        return Bsdf(point.ns, base, ks, p, black, ONE, ambient, km, emission, alpha, base)
     if kind == METALLIC_ROUGHNESS:
         if material["unlit"] != 0:
             return Bsdf(point.ns, black, black, ONE, black, ONE, black, black, base + emission, alpha, base)
@@ -135,7 +136,10 @@ def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
     """The sum of the lobes, cosine included: radiance towards wo per irradiance facing wi."""
     value = eval_lambert(bsdf.diffuse, bsdf.ns, wi)
     if max_component(bsdf.specular) > ZERO:
-        value = value + eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
+        if bsdf.exponent < ZERO:
+            value = value + eval_phong(bsdf.specular, -bsdf.exponent, bsdf.ns, wi, wo)
+        else:
+            value = value + eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
     if max_component(bsdf.f0) > ZERO:
         # What the coat of microfacets reflects does not reach the base (glTF 2.0, B.2.1: fresnel_mix).
         reflected = _DIELECTRIC_F0 + (ONE - _DIELECTRIC_F0) * schlick_weight(dot(wo, normalize(wo + wi)))

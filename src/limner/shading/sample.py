@@ -65,6 +65,12 @@ def _pdf_highlight(p: np.float32, n: Vec3, v: Vec3, h: Vec3) -> np.float32:
 
 
 @kernel
+def _pdf_phong(p: np.float32, n: Vec3, v: Vec3, wi: Vec3) -> np.float32:
+    """(p + 1)/2pi (r.wi)^p about the reflection r of v (Lafortune and Willems 1994)."""
+    return (p + ONE) / TWO_PI * power(max(dot(reflect(-v, n), wi), ZERO), p)
+
+
+@kernel
 def _pdf_microfacet(alpha: np.float32, n: Vec3, v: Vec3, h: Vec3) -> np.float32:
     """G1(v) D(h) / (4 n.v): the visible normals (Heitz, *Sampling the GGX distribution of visible normals*, JCGT 7(4), 2018)."""
     n_v, n_h = dot(n, v), dot(n, h)
@@ -82,7 +88,10 @@ def _pdf(bsdf: Bsdf, shares: Shares, wo: Vec3, wi: Vec3) -> np.float32:
     pdf = shares.diffuse * pdf_hemisphere_cosine(dot(n, wi))
     h = normalize(wo + wi)
     if shares.highlight > ZERO:
-        pdf = pdf + shares.highlight * _pdf_highlight(bsdf.exponent, n, wo, h)
+        if bsdf.exponent < ZERO:
+            pdf = pdf + shares.highlight * _pdf_phong(-bsdf.exponent, n, wo, wi)
+        else:
+            pdf = pdf + shares.highlight * _pdf_highlight(bsdf.exponent, n, wo, h)
     if shares.microfacet > ZERO:
         pdf = pdf + shares.microfacet * _pdf_microfacet(bsdf.roughness2, n, wo, h)
     return pdf
@@ -130,7 +139,10 @@ def sample_bsdf(bsdf: Bsdf, wo: Vec3, choice: np.float32, u: np.float32, w: np.f
     if rest < shares.diffuse:
         wi = to_world(frame, warp_hemisphere_cosine(u, w))
     elif rest < shares.diffuse + shares.highlight:
-        wi = reflect(-wo, to_world(frame, _highlight_normal(bsdf.exponent, u, w)))
+        if bsdf.exponent < ZERO:
+            wi = to_world(frame_from_normal(reflect(-wo, n)), _highlight_normal(-bsdf.exponent, u, w))
+        else:
+            wi = reflect(-wo, to_world(frame, _highlight_normal(bsdf.exponent, u, w)))
     elif shares.microfacet > ZERO:
         wi = reflect(-wo, to_world(frame, _visible_normal(bsdf.roughness2, to_local(frame, wo), u, w)))
     else:

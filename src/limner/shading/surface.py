@@ -18,7 +18,7 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
 
 __all__ = [
     "Barycentrics", "Footprint", "SurfacePoint", "barycentrics_at", "barycentrics_of_hit", "flip_to_front", "surface_at",
-    "to_raster", "transform_normal", "transform_point", "transform_vector", "transformed_reach",
+    "to_raster", "transform_normal", "transform_point", "transform_vector", "with_normal", "transformed_reach",
 ]  # fmt: skip
 
 f32 = np.float32
@@ -285,6 +285,15 @@ def _tangent_of_triangle(m, a: Vec3, b: Vec3, attributes, p0: int, p1: int, p2: 
     sign = -ONE if area < ZERO else ONE
     # Scaled by the sign alone: only the direction counts, and a degenerate area must not blow it up.
     return transform_vector(m, (a * dv2 - b * dv1) * sign), sign
+
+
+@kernel
+def with_normal(point: SurfacePoint, ns: Vec3) -> SurfacePoint:
+    """The same point with another shading normal."""
+    return SurfacePoint(
+        point.position, point.n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
+        point.footprint, point.material, point.bulge, point.reach,
+    )  # fmt: skip
 
 
 @kernel

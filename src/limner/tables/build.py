@@ -367,10 +367,16 @@ def _fill_lambert(row: np.void, material: Lambert, textures: dict[Texture, int])
 def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture, int]) -> None:
     row["kind"], row["color"], row["specular"] = layouts.BLINN_PHONG, material.diffuse, material.specular
     row["exponent"], row["mirror"] = material.exponent, material.mirror
+    row["highlight"] = layouts.PHONG if material.highlight == "phong" else layouts.BLINN
     row["ambient"] = (-1.0, -1.0, -1.0) if material.ambient is None else material.ambient
-    row["specular_scale"] = (material.exponent + 2.0) / 8.0 if material.normalized else 1.0
+    row["specular_scale"] = _highlight_scale(material) if material.normalized else 1.0
     row["color_texture"] = _row(material.diffuse_texture, textures)
     row["specular_texture"] = _row(material.specular_texture, textures)
+
+
+def _highlight_scale(material: BlinnPhong) -> float:
+    """What makes the highlight's energy independent of its exponent: one over its integral, seen from straight above."""
+    return (material.exponent + 2.0) / 8.0 if material.highlight == "blinn" else (material.exponent + 1.0) / 2.0
 
 
 def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures: dict[Texture, int]) -> None:

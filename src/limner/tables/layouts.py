@@ -23,6 +23,9 @@ MESH, SPHERE, PLANE, BOX = 0, 1, 2, 3
 # Kinds of material
 LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS, SHADOW_CATCHER = 0, 1, 2, 3
 
+# Kinds of highlight
+BLINN, PHONG = 0, 1
+
 # Kinds of light
 POINT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT, AMBIENT_LIGHT = 0, 1, 2, 3
 
@@ -95,6 +98,7 @@ MATERIAL = np.dtype(
         ("specular", f32, 3),  # ks
         ("exponent", f32),
         ("specular_scale", f32),  # 1, or the normalisation (p + 2) / 8
+        ("highlight", i32),  # BLINN or PHONG
         ("ambient", f32, 3),  # ka; negative: the diffuse coefficient
         ("mirror", f32, 3),
         ("emission", f32, 3),

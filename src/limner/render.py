@@ -40,6 +40,7 @@ from .scene.scene import Scene
 from .tables.build import Built, View, flatten, names, view
 from .tables.layouts import Lighting
 from .tables.lighting import lighting
+from .tables.sky_blur import blurred_sky
 from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
@@ -209,7 +210,7 @@ class Renderer:
         """Let go of what is kept."""
         self._built: Built | None = None
         self._tree: tuple[Built, Accelerator] | None = None
-        self._sky: tuple[Environment | None, NDArray[np.float32] | None] = (None, None)
+        self._sky: tuple[Environment | None, NDArray[np.float32] | None, NDArray[np.float32] | None] = (None, None, None)
 
     def __enter__(self) -> Renderer:
         return self
@@ -218,7 +219,7 @@ class Renderer:
         self.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_built": None, "_tree": None, "_sky": (None, None)}
+        return {**self.__dict__, "_built": None, "_tree": None, "_sky": (None, None, None)}
 
     @overload
     def render(
@@ -362,9 +363,12 @@ class Renderer:
         if environment is None:
             return lighting(built.tables, None)
         if self._sky[0] is not environment:
-            self._sky = environment, _sky_pixels(environment)
+            pixels = _sky_pixels(environment)
+            # A path tracer asks the sky itself.
+            blurred = None if self._renderer == "path" else blurred_sky(pixels, self._threads)
+            self._sky = environment, pixels, blurred
         visible = scene.background == "environment"
-        return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible)
+        return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2])
 
     def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
         if not self._aovs:

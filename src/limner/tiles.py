@@ -7,11 +7,13 @@ in, so that threads and tiles cannot change a bit.
 from __future__ import annotations
 
 import os
+import queue
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import NamedTuple, Protocol, TypeVar
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -23,6 +25,9 @@ T = TypeVar("T")
 
 OnProgress = Callable[[float], None]
 """Called now and then, from the calling thread, with the part that is done: 0 to 1."""
+
+Finished: TypeAlias = "queue.SimpleQueue[BaseException | None]"
+"""What threads hand back for each item: what went wrong, or None."""
 
 
 class Cancel(Protocol):
@@ -85,31 +90,52 @@ def run_all(
                 on_progress((done + 1) / len(waiting))
         return
     stop = threading.Event()
+    left = deque(waiting)
+    finished: Finished = queue.SimpleQueue()
 
-    def guarded(item: T) -> None:
-        if not stop.is_set():
-            work(item)
+    def serve() -> None:
+        while not stop.is_set():
+            try:
+                item = left.popleft()
+            except IndexError:
+                return
+            try:
+                work(item)
+            except BaseException as error:
+                finished.put(error)
+                return
+            finished.put(None)
 
     with ThreadPoolExecutor(threads) as pool:
-        pending: set[Future[None]] = {pool.submit(guarded, item) for item in waiting}
         try:
-            _wait_for(pending, len(waiting), on_progress, cancel)
-        except BaseException:
+            for _ in range(min(threads, len(waiting))):
+                pool.submit(serve)
+            _wait_for(finished, len(waiting), on_progress, cancel)
+        finally:
             stop.set()
-            raise
 
 
-def _wait_for(pending: set[Future[None]], total: int, on_progress: OnProgress | None, cancel: Cancel | None) -> None:
-    last = time.monotonic()
-    while pending:
-        done, pending = wait(pending, timeout=0.1, return_when=FIRST_COMPLETED)
-        for future in done:
-            future.result()
+def _wait_for(finished: Finished, total: int, on_progress: OnProgress | None, cancel: Cancel | None) -> None:
+    """Count what is finished; raise what went wrong.
+
+    Not `concurrent.futures.wait`: it takes a lock of every task that is pending, at every call, and an interrupt in the middle
+    leaves them taken, for which the threads then wait for ever.
+    """
+    done, last = 0, time.monotonic()
+    while done < total:
+        try:
+            error = finished.get(timeout=0.1)
+        except queue.Empty:
+            pass
+        else:
+            if error is not None:
+                raise error
+            done += 1
         _stop_if(cancel)
         now = time.monotonic()
-        if on_progress is not None and (now - last > 0.05 or not pending):
+        if on_progress is not None and (now - last > 0.05 or done == total):
             last = now
-            on_progress((total - len(pending)) / total)
+            on_progress(done / total)
 
 
 def _stop_if(cancel: Cancel | None) -> None:

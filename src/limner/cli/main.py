@@ -23,6 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line (default: the process's own) and return its exit code."""
     if arguments is None:
         gc.set_threshold(_SELDOM)
+        _stand_in_for_closed_streams()
     words = list(sys.argv[1:] if arguments is None else arguments)
     code = FAILED
     try:
@@ -34,9 +35,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         _say("whoever read standard output closed it")
         code = FAILED
+    except OSError as error:
+        _abandon_stdout()
+        if "--traceback" in words:
+            raise
+        _say(_told(error))
+        code = FAILED
     except KeyboardInterrupt:
         _say("interrupted")
         code = INTERRUPTED
+        if arguments is None and "numba" in sys.modules:
+            os._exit(code)  # LLVM, interrupted while it compiles, crashes when the interpreter takes it apart
     return code
 
 
@@ -77,12 +86,22 @@ def _run(words: Sequence[str]) -> int:
             raise
         _say(f"not enough memory{': ' if str(error) else ''}{flattened(str(error))}")
         return FAILED
+    except OSError:
+        raise
     except Exception as error:
         if talk.traceback:
             raise
         said = flattened(str(error))[:_LONGEST] or "failed"
         _say(f"{said} ({type(error).__name__}, not foreseen; --traceback shows it)")
         return FAILED
+
+
+def _told(error: OSError) -> str:
+    """What the system refused; where no file is named, it was standard output."""
+    from .talk import flattened
+
+    place = "cannot write standard output" if error.filename is None else flattened(str(error.filename))
+    return f"{place}: {error.strerror or flattened(str(error)) or type(error).__name__}"
 
 
 def _hint(error: object) -> str:
@@ -97,6 +116,14 @@ def _say(line: str) -> None:
         sys.stderr.flush()
     except OSError:  # nobody is left to tell
         return
+
+
+def _stand_in_for_closed_streams() -> None:
+    """Open what the caller closed (``>&-``): what is told goes nowhere, and writing a result fails like on a full disk."""
+    if sys.stdout is None:
+        sys.stdout = open(os.open(os.devnull, os.O_RDONLY), "w", encoding="utf-8")  # noqa: SIM115 - open until the process ends
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - likewise
 
 
 def _abandon_stdout() -> None:

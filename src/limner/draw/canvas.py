@@ -364,7 +364,7 @@ class Canvas:
         spacing : float
             From line to line, in sizes.
         font : str, optional
-            A TrueType or OpenType file; None: the face that Pillow carries.
+            A TrueType or OpenType file; None: the face that Pillow carries, which has the letters of English.
         """
         command = Written(Text(words, size, align, baseline, spacing, font), float(x), float(y), ink(color), self._clip)
         mask, left, top = rasterized(command.text, command.x, command.y, self.width, self.height)

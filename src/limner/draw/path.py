@@ -24,7 +24,7 @@ __all__ = ["TOLERANCE", "Arc", "Chain", "Cubic", "Lines", "Path", "Subpath"]
 
 Floats = NDArray[np.float64]
 
-TOLERANCE = 0.01
+TOLERANCE = 0.004
 """Pixels that a chord may stray from its curve."""
 
 _MOST_CHORDS = 1 << 14

@@ -227,8 +227,8 @@ def _round_joins(
     round_ = ~flat
     if round_.any():
         n = arc_steps(0.5 * width, float(turn[round_].max()), tolerance)
-        # A half turn has no outer side; either is right as long as start and end belong to the same circle.
-        angle = (np.copysign(turn, sine)[round_, None] * np.arange(n + 1) / n)[..., None]
+        # Not by the sign of the sine alone: at a half turn it is zero, and the sector must still lie in front.
+        angle = (np.where(sine > 0.0, turn, -turn)[round_, None] * np.arange(n + 1) / n)[..., None]
         across = np.stack([-first[round_, 1], first[round_, 0]], axis=1)
         arc = np.cos(angle) * first[round_, None] + np.sin(angle) * across[:, None]
         parts.append(corner[round_, None] + np.concatenate([np.zeros_like(arc[:, :1]), arc], axis=1))

@@ -6,7 +6,8 @@ A line of text stands on its baseline. Where that lies relative to the given poi
     baseline   top, middle, baseline or bottom: which height of the whole block stands at y;
                "baseline" is that of the first line
 
-Pillow is imported when the first text is set.
+The face that comes with Pillow, Aileron, has the letters of English; for others name a font file. Pillow is imported when the
+first text is set.
 """
 
 from __future__ import annotations
@@ -148,8 +149,10 @@ def _check(text: Text, x: float, y: float) -> None:
 @lru_cache(maxsize=64)
 def _face(font: str | None, size: float) -> Any:
     """A typeface at a size: a file's, or Aileron, which Pillow carries."""
-    from PIL import ImageFont
+    from PIL import ImageFont, features
 
+    if not features.check("freetype2"):
+        raise UnsupportedError("text needs a Pillow that was built with FreeType: those that pip installs are")
     if font is None:
         # The plain layout: the other needs a library that may or may not be there, and pictures must not depend on that.
         carried: Any = ImageFont.load_default(size)

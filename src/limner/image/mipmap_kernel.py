@@ -1,4 +1,4 @@
-"""One mipmap level from the one above it."""
+"""One level of a mipmap or ripmap from a larger one."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..color.decode_table import SRGB_DECODE
+from ..kernel.elementary import floor
 
 f32 = np.float32
 _HALF, _ONE = f32(0.5), f32(1.0)
@@ -25,20 +26,27 @@ def _encode(value: np.float32) -> int:
 
 
 @kernel
-def reduce_level(texels, source, target, width, height, srgb):
-    """Average two by two texels of the level at `source` (width x height) into the level at `target`."""
-    half_width, half_height = max(1, width // 2), max(1, height // 2)
-    for j in range(half_height):
-        j0, j1 = min(2 * j, height - 1), min(2 * j + 1, height - 1)
-        for i in range(half_width):
-            i0, i1 = min(2 * i, width - 1), min(2 * i + 1, width - 1)
+def _nearest_even(value: np.float32) -> np.float32:
+    """The nearest integer, of two the even one: halves always rounded up would brighten every level by 1/8 of a code."""
+    above = floor(value + _HALF)
+    return above - _ONE if above - value == _HALF and floor(above * _HALF) * f32(2.0) != above else above
+
+
+@kernel
+def reduce_level(texels, source, target, width, height, columns, rows, srgb):
+    """Average `columns` by `rows` texels, each 1 or 2, of the level at `source` (width x height) into the level at `target`."""
+    new_width, new_height = max(1, width // columns), max(1, height // rows)
+    for j in range(new_height):
+        j0, j1 = rows * j, min(rows * j + rows - 1, height - 1)
+        for i in range(new_width):
+            i0, i1 = columns * i, min(columns * i + columns - 1, width - 1)
             corner0, corner1 = source + 4 * (j0 * width + i0), source + 4 * (j0 * width + i1)
             corner2, corner3 = source + 4 * (j1 * width + i0), source + 4 * (j1 * width + i1)
-            place = target + 4 * (j * half_width + i)
+            place = target + 4 * (j * new_width + i)
             a0, a1 = f32(texels[corner0 + 3]), f32(texels[corner1 + 3])
             a2, a3 = f32(texels[corner2 + 3]), f32(texels[corner3 + 3])
             alpha = (a0 + a1) + (a2 + a3)
-            texels[place + 3] = np.uint8(alpha * f32(0.25) + _HALF)
+            texels[place + 3] = np.uint8(_nearest_even(alpha * f32(0.25)))
             if alpha == f32(0.0):
                 a0, a1, a2, a3, alpha = _ONE, _ONE, _ONE, _ONE, f32(4.0)
             for c in range(3):
@@ -49,4 +57,4 @@ def reduce_level(texels, source, target, width, height, srgb):
                     texels[place + c] = np.uint8(_encode(mean))
                 else:
                     total = (a0 * f32(t0) + a1 * f32(t1)) + (a2 * f32(t2) + a3 * f32(t3))
-                    texels[place + c] = np.uint8(total / alpha + _HALF)
+                    texels[place + c] = np.uint8(_nearest_even(total / alpha))

@@ -80,14 +80,15 @@ class ClipKind(NamedTuple):
     has_quality: bool = False
 
 
-def check_clip(path: str | os.PathLike[str], *, n_pictures: int = 1, fps: float = 20.0, quality: int | None = None) -> ClipKind:
+def check_clip(path: str | os.PathLike[str], *, n_pictures: int | None = None, fps: float = 20.0, quality: int | None = None) -> ClipKind:
     """Refuse a clip that cannot be written before anything is drawn for it; return its kind.
 
     Parameters
     ----------
     path : str or path-like
         The extension says the kind; none, or a folder that is there: a folder.
-    n_pictures : int
+    n_pictures : int, optional
+        Where it is known, a folder that holds more than so many is refused: its end would stay.
     fps : float > 0
     quality : int from 1 to 100, optional
 
@@ -191,13 +192,13 @@ def _check_file(place: Path) -> None:
         raise RenderError(f"cannot write {place}: no permission to write in {folder}")
 
 
-def _check_folder(place: Path, n_pictures: int) -> None:
+def _check_folder(place: Path, n_pictures: int | None) -> None:
     nearest = next(folder for folder in (place.absolute(), *place.absolute().parents) if folder.exists())
     if not nearest.is_dir():
         raise RenderError(f"cannot write in {place}: {nearest} is no folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise RenderError(f"cannot write in {place}: no permission to write in {nearest}")
-    if place.is_dir():
+    if n_pictures is not None and place.is_dir():
         last = max((int(old.stem) for old in place.glob("*.png") if old.stem.isdecimal()), default=-1)
         if last >= n_pictures:
             raise SceneError(f"{place} holds a longer clip, up to {last:04d}.png: its end would stay behind; choose another folder")

@@ -19,7 +19,7 @@ __all__ = ["Palette", "Tally", "fitted"]
 N_COLORS = 255  # the last is left for "as before"
 
 _ROUNDS = 8  # of moving into the middle; more change less than rounding
-_SKIP = 2  # every second column and row is enough to know the colours
+_LARGE = 1 << 17  # pixels: of larger pictures, every second column and row is enough to know the colours
 _MOST_KEPT = 1 << 20  # distinct colours that are kept apart; beyond them, they are counted in twos
 _NOTICED = 0.6  # mean error, in levels, from which steps are seen
 _SPREAD = 7.0  # of the dither's pattern, in mean errors
@@ -54,7 +54,8 @@ class Tally:
 
     def add(self, picture: Bytes) -> None:
         """Count the colours of a picture, (height, width, 3) uint8."""
-        found, counts = np.unique(_codes(picture[::_SKIP, ::_SKIP]), return_counts=True)
+        step = 2 if picture.shape[0] * picture.shape[1] > _LARGE else 1
+        found, counts = np.unique(_codes(picture[::step, ::step]), return_counts=True)
         self._codes, place = np.unique(np.concatenate([self._codes, found]), return_inverse=True)
         self._counts = np.bincount(place, np.concatenate([self._counts, counts])).astype(np.float64)
         if len(self._codes) > _MOST_KEPT:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..color.transfer import linear_from_srgb
+from ..color.decode_table import SRGB_DECODE
 from ..image.image import Image
 
 if TYPE_CHECKING:
@@ -106,18 +106,17 @@ class Canvas:
         return self._picture.size
 
     def box(self, x: float, y: float, width: float, height: float, color: Rgb) -> None:
-        """Fill a rectangle of whole pixels."""
-        from PIL import ImageDraw
-
-        left, top = round(x), round(y)
-        ImageDraw.Draw(self._picture).rectangle((left, top, left + round(width) - 1, top + round(height) - 1), fill=color)
+        """Fill a rectangle, its edges rounded to whole pixels."""
+        area = round(x), round(y), round(x + width), round(y + height)
+        if area[0] < area[2] and area[1] < area[3]:
+            self._picture.paste(color, area)
 
     def picture(self, x: int, y: int, image: Image) -> None:
         """Lay a picture on, its upper left corner at (x, y); what is transparent in it shows what is below."""
         from PIL import Image as pillow  # noqa: N813 - the module
 
         area = (x, y, x + image.width, y + image.height)
-        below = linear_from_srgb(np.asarray(self._picture.crop(area)) / 255.0)
+        below = SRGB_DECODE[np.asarray(self._picture.crop(area))]
         alpha = np.clip(image.pixels[..., 3:], 0.0, 1.0)
         mixed = np.concatenate([image.pixels[..., :3] * alpha + below * (1.0 - alpha), np.ones_like(alpha)], axis=2)
         encoded = Image(mixed.astype(np.float32)).to_uint8()[..., :3]
@@ -139,7 +138,7 @@ class Canvas:
                 continue
             width, height = (high - low).tolist()
             cover = pillow.new("L", (width * _FINER, height * _FINER), 0)
-            finer = [tuple(((point - low) * _FINER).tolist()) for point in points]
+            finer = [tuple(((point - low) * _FINER - 0.5).tolist()) for point in points]  # Pillow counts from the middle of a pixel
             ImageDraw.Draw(cover).line(finer, fill=round(255 * stroke.alpha), width=max(1, round(stroke.width * _FINER)), joint="curve")
             cover = cover.reduce(_FINER)
             self._picture.paste(stroke.color, (*low.tolist(), *high.tolist()), cover)
@@ -179,7 +178,7 @@ class Canvas:
 
     def image(self, **fields: Any) -> Image:
         """The same as an Image, which gives the same bytes again; `fields` are further fields of it."""
-        linear = linear_from_srgb(self.to_uint8() / 255.0).astype(np.float32)
+        linear = SRGB_DECODE[self.to_uint8()]
         pixels = np.concatenate([linear, np.ones((*linear.shape[:2], 1), dtype=np.float32)], axis=2)
         return Image(pixels, **fields)
 

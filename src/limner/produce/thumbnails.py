@@ -22,15 +22,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..errors import LimnerError, RenderError, SceneError
+from ..color.decode_table import SRGB_DECODE
+from ..errors import LimnerError, RenderError, SceneError, UnsupportedError
 from ..image.image import Image
 from ..progress import Meter, OnProgress
-from .sheet import Canvas, Rgb, grid_for, shortened, wrapped
+from .sheet import Canvas, Grid, Rgb, grid_for, shortened, wrapped
 
 __all__ = ["Batch", "Thumbnail", "index_sheet", "models_in", "thumbnails"]
 
 _LEAST_SIZE, _GREATEST_SIZE = 16, 4096
-_MOST_SHEET_PIXELS = 1 << 25
+_MOST_SHEET_PIXELS = 1 << 24
 _LARGEST_CELL, _SMALLEST_CELL = 256, 24
 _LONGEST = 300  # characters of an error that nobody wrote for people
 _BLANK = 0.0005  # of the pixels: less is nothing, or a speck
@@ -256,14 +257,12 @@ def _line(error: Exception, source: Path) -> str:
 def index_sheet(batch: Batch) -> Image:
     """All pictures of a batch on one contact sheet, each with its name; those that failed, with the reason.
 
-    Raises SceneError where there is nothing to show. Cells shrink as they become many, so that the sheet stays below 32 million pixels.
+    Cells shrink as they become many, so that the sheet stays below 16 million pixels. Raises SceneError where there is nothing to show, and
+    UnsupportedError for more than fit (about 20 000).
     """
     if not batch.items:
         raise SceneError("a contact sheet needs at least one picture")
-    cell = _cell_size(len(batch.items))
-    letters = max(9, cell // 16)
-    caption = round(1.7 * letters)
-    grid = grid_for(len(batch.items), cell, cell + caption, max(3, cell // 24), 16.0 / 10.0)
+    cell, letters, caption, grid = _layout(len(batch.items))
     canvas = Canvas(*grid.size, _PAPER)
     names = _names(batch)
     for index, item in enumerate(batch.items):
@@ -288,23 +287,25 @@ def _names(batch: Batch) -> list[str]:
     return [name if seen[name] == 1 else f"{item.source.parent.name}/{name}" for name, item in zip(names, batch.items, strict=True)]
 
 
-def _cell_size(n: int) -> int:
-    cell = _LARGEST_CELL
-    while cell > _SMALLEST_CELL and n * 1.25 * cell * cell > _MOST_SHEET_PIXELS:
-        cell -= 8
-    return cell
+def _layout(n: int) -> tuple[int, int, int, Grid]:
+    """Sides of pictures, letters and captions, pixels, and the grid: the largest that is not too large."""
+    for cell in range(_LARGEST_CELL, _SMALLEST_CELL - 1, -8):
+        letters = max(9, cell // 16)
+        caption = round(1.7 * letters)
+        grid = grid_for(n, cell, cell + caption, max(3, cell // 24), 16.0 / 10.0)
+        if grid.size[0] * grid.size[1] <= _MOST_SHEET_PIXELS:
+            return cell, letters, caption, grid
+    raise UnsupportedError(f"a contact sheet holds no {n} pictures; leave it out, or make one for each sub-folder")
 
 
 def _shrunk(path: Path, size: int) -> Image | None:
     """A picture that fits into a square, averaged in linear light; None where it cannot be read."""
-    from ..color.transfer import linear_from_srgb
-
     try:
         encoded = _read(path)
     except OSError:
         return None
-    linear = np.concatenate([linear_from_srgb(encoded[..., :3] / 255.0), encoded[..., 3:] / 255.0], axis=2).astype(np.float32)
-    image = Image(linear)
+    alpha = encoded[..., 3:] / np.float32(255.0)
+    image = Image(np.concatenate([SRGB_DECODE[encoded[..., :3]], alpha], axis=2))
     if image.width <= size and image.height <= size:
         return image
     scale = size / max(image.width, image.height)

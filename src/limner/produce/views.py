@@ -34,7 +34,7 @@ from .facts import dominant_colors, facts, number, report_of_pixels, tight_bound
 from .sheet import Canvas, Grid, Rgb, Stroke, shortened, text_width, wrapped
 from .turntable import without_lights
 
-__all__ = ["PROJECTIONS", "VIEWS", "Sheet", "Tip", "axis_tips", "standard_cameras", "views"]
+__all__ = ["ARROW", "PROJECTIONS", "VIEWS", "Sheet", "Tip", "axis_tips", "glyph_origin", "standard_cameras", "views"]
 
 PROJECTIONS = ("orthographic", "perspective")
 
@@ -53,6 +53,8 @@ VIEWS = {
 
 _MARGIN = 1.38  # of the picture's side to the box round the model: its measures stand around it
 _YFOV_DEGREES = 30.0
+ARROW = 0.066
+"""Length of an axis's arrow, in sides of a view."""
 _LEAST_SIDE, _GREATEST_SIDE = 128, 2048
 
 _PAPER: Rgb = (246, 247, 248)
@@ -328,9 +330,9 @@ class _Draft:
 
     def _axes(self, camera: Camera, x: int, y: int) -> None:
         """The world's axes in the lower left corner: arrows; out of the picture a ring with a dot, into it one with a cross."""
-        size, letters = self._size, max(9, self._letters - 2)
-        reach = 0.066 * size
-        at = np.array([x + 0.5 * letters + 0.085 * size, y + size - 0.5 * letters - 0.12 * size])
+        letters = max(9, self._letters - 2)
+        reach = ARROW * self._size
+        at = np.array([x, y]) + glyph_origin(self._size)
         for name, tip in sorted(axis_tips(camera).items(), key=lambda item: item[1].towards):
             color = _AXIS_COLORS["xyz".index(name)]
             way = np.array([tip.right, -tip.up])
@@ -415,6 +417,11 @@ def _lines(told: dict[str, Any]) -> list[str]:
 
 def _counted(n: int, one: str, many: str = "") -> str:
     return f"{n} {one if n == 1 else many or one + 's'}"
+
+
+def glyph_origin(size: int) -> Floats:
+    """(2,): where the arrows of the axes begin, right of and below the upper left corner of a view of that size, pixels."""
+    return np.array([0.0, size]) + (5.0 + 0.105 * size) * np.array([1.0, -1.0])
 
 
 def _kept_inside(place: Floats, words: str, letters: int, anchor: str, corner: tuple[int, int], size: int) -> tuple[float, float]:

@@ -19,12 +19,12 @@ f32, i32 = np.float32, np.int32
 @kernel
 def draw_aov_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    camera_table, vertices, first_vertex, screen, binned, bin_range, depth, seen, values, ids,
+    camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, depth, seen, values, ids,
     tile, first_column, first_row, columns, rows,
 ):  # fmt: skip
     """Fill the channels of a tile: values (height, width, 16), ids (height, width, 3), row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    frame = (vertices, first_vertex)
+    frame = (vertices, first_vertex, cuts)
     camera = camera_table[0]
     window = (first_column, first_row, columns, rows)
     farthest = camera["near"] / camera["far"] if camera["kind"] == PERSPECTIVE else ZERO

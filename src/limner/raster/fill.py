@@ -18,7 +18,7 @@ from .layouts import SUBPIXELS
 
 __all__ = ["fill_opaque", "fill_transparent", "vertices_of"]
 
-f32, i64 = np.float32, np.int64
+f32, f64, i64 = np.float32, np.float64, np.int64
 _GRID_STEP = f32(1.0 / SUBPIXELS)
 
 
@@ -49,7 +49,7 @@ def vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_v
 def _covers(screen_triangle, x: np.float32, y: np.float32, camera, scene, frame) -> bool:
     """The alpha test of a masked material at raster point (x, y)."""
     instances, meshes, _, triangles, _, _, materials, _, textures, texels = scene
-    vertices, first_vertex = frame
+    vertices, first_vertex, _ = frame
     v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
     instance, triangle = np.int64(screen_triangle["instance"]), np.int64(screen_triangle["triangle"])
     point = visible_point(scene, camera, instance, triangle, v0, v1, v2, x, y)
@@ -68,23 +68,59 @@ def _bounds(screen_triangle, window, ox: int, oy: int):
 
 
 @kernel
+def _between_cuts(screen_triangle, cuts, j: int, ox: int, oy: int, i0: int, i1: int):
+    """The part of columns i0..i1 of row j that lies within a screen triangle's cuts.
+
+    A cut is crossed once along a row, and its two sides find the same column by the same numbers: no sample is lost or drawn twice.
+    """
+    x = f64(ox) * f64(_GRID_STEP) - f64(screen_triangle["x_reference"])
+    y = f64(oy) * f64(_GRID_STEP) + f64(j - screen_triangle["y_reference"])
+    start = i64(screen_triangle["first_cut"])
+    for k in range(start, start + i64(screen_triangle["n_cuts"])):
+        cut = cuts[k]
+        value = cut["value"] + cut["slope_y"] * y
+        slope = cut["slope_x"]
+        keep_positive = cut["side"] > 0
+        if slope == f64(0.0):
+            if (value >= f64(0.0)) != keep_positive:
+                return i0, i0
+            continue
+        # From this column on the sign is that of the slope.
+        crossing = min(max(-value / slope - x, f64(i0)), f64(i1))
+        column = int(crossing)
+        column += 1 if crossing > f64(column) else 0
+        if (slope > f64(0.0)) == keep_positive:
+            i0 = max(i0, column)
+        else:
+            i1 = min(i1, column)
+        if i0 >= i1:
+            return i0, i0
+    return i0, i1
+
+
+@kernel
 def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, frame, depth, seen, offset):
     """Draw a tile's opaque and masked triangles into its depth buffer and `seen`, the row of the screen triangle or -1.
 
     (ox, oy) is the sample's place in its pixel, on the subpixel grid; `seen` is filled from `offset` on.
     """
+    _, _, cuts = frame
     for k in range(first, last):
         t = screen[binned[k]]
         if t["alpha_mode"] == BLEND:
             continue
         x, y = t["x"], t["y"]
-        i0, i1, j0, j1 = _bounds(t, window, ox, oy)
+        first_i, last_i, j0, j1 = _bounds(t, window, ox, oy)
+        i0, i1 = first_i, last_i
         xs = i0 * SUBPIXELS + ox
         y0, y1, y2 = i64(y[0]), i64(y[1]), i64(y[2])
         step0, step1, step2 = (y1 - y2) * SUBPIXELS, (y2 - y0) * SUBPIXELS, (y0 - y1) * SUBPIXELS
         fx, fy = f32(ox) * _GRID_STEP, f32(oy) * _GRID_STEP
         for j in range(j0, j1):
             ys = j * SUBPIXELS + oy
+            if t["n_cuts"] > 0:
+                i0, i1 = _between_cuts(t, cuts, j, ox, oy, first_i, last_i)
+                xs = i0 * SUBPIXELS + ox
             e0 = _edge(x[1], y[1], x[2], y[2], xs, ys)
             e1 = _edge(x[2], y[2], x[0], y[0], xs, ys)
             e2 = _edge(x[0], y[0], x[1], y[1], xs, ys)
@@ -106,24 +142,28 @@ def fill_opaque(screen, binned, first, last, window, ox, oy, camera, scene, fram
 
 
 @kernel
-def fill_transparent(screen, binned, first, last, window, ox, oy, depth, last_depth, last_seen, next_depth, next_seen):
+def fill_transparent(screen, binned, first, last, window, ox, oy, frame, depth, last_depth, last_seen, next_depth, next_seen):
     """One layer of depth peeling: for each sample the nearest blended triangle behind the last one and before what is opaque.
 
     Ties in depth are broken by the order of drawing. Returns whether any sample found one.
     **Source**: Everitt, *Interactive order-independent transparency*, 2001; exact, in memory that does not grow with the layers.
     """
+    _, _, cuts = frame
     found = False
     for k in range(first, last):
         t = screen[binned[k]]
         if t["alpha_mode"] != BLEND:
             continue
         x, y = t["x"], t["y"]
-        i0, i1, j0, j1 = _bounds(t, window, ox, oy)
+        first_i, last_i, j0, j1 = _bounds(t, window, ox, oy)
+        i0, i1 = first_i, last_i
         fx, fy = f32(ox) * _GRID_STEP, f32(oy) * _GRID_STEP
         for j in range(j0, j1):
             ys = j * SUBPIXELS + oy
             zy = t["z"] + t["dzdy"] * (f32(j - t["y_reference"]) + fy)
             place = (j - window[1]) * window[2] - window[0]
+            if t["n_cuts"] > 0:
+                i0, i1 = _between_cuts(t, cuts, j, ox, oy, first_i, last_i)
             for i in range(i0, i1):
                 xs = i * SUBPIXELS + ox
                 e0 = _edge(x[1], y[1], x[2], y[2], xs, ys)

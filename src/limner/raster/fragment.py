@@ -57,7 +57,7 @@ def _gouraud(instance_id: int, triangle: int, w: Barycentrics, camera, scene, li
 def shade_fragment(screen_triangle, x, y, camera, scene, lighting, frame, frequency: int):
     """(radiance, alpha) of a screen triangle at raster point (x, y), shaded there, at its vertices, or once for the triangle."""
     instances, meshes, _, triangles, _, _, _, _, _, _ = scene
-    vertices, first_vertex = frame
+    vertices, first_vertex, _ = frame
     instance_id, triangle = np.int64(screen_triangle["instance"]), np.int64(screen_triangle["triangle"])
     v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
     if frequency == PER_VERTEX:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["GUARD_BAND", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS"]
+__all__ = ["CUT", "GUARD_BAND", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS"]
 
 f32, i32 = np.float32, np.int32
 
@@ -33,6 +33,19 @@ SCREEN_TRIANGLE = np.dtype(
         ("triangle", i32),  # of the instance's mesh
         ("material", i32),
         ("alpha_mode", i32),
+        ("first_cut", i32),  # row of the cuts that bound the part of it that is meant
+        ("n_cuts", i32),
     ],
     align=True,
 )
+
+CUT = np.dtype(
+    [
+        ("value", np.float64),  # at the reference pixel of the screen triangle
+        ("slope_x", np.float64),  # per pixel
+        ("slope_y", np.float64),
+        ("side", np.int64),  # 1: what is not negative is kept, -1: what is
+    ],
+    align=True,
+)
+"""A line through a screen triangle. Of two parts with the same cut and opposite sides, each sample belongs to exactly one."""

@@ -21,7 +21,10 @@ from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
 from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
-from .layouts import MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
+from . import painter
+from .bsp import BspTree
+from .layouts import CUT, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
+from .pyramid import pyramid_planes
 
 __all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
 
@@ -43,8 +46,9 @@ _ASSEMBLE = Door(
     "limner.raster.assemble",
     "assemble_triangles",
     (
-        Array(layouts.INSTANCE, 1), Array(layouts.MESH_RANGES, 1), Array(np.int32, 2), Array(np.int32, 1), Array(layouts.MATERIAL, 1),
-        Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 2), _I64, _I64, Array(np.float32, 2), Array(np.float32, 2),
+        Array(layouts.INSTANCE, 1), Array(layouts.MESH_RANGES, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1),
+        Array(layouts.MATERIAL, 1), Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.float32, 2), Array(np.float64, 2),
+        Array(np.int64, 2), _I64, _I64, Array(np.float32, 2), Array(np.float32, 2), Array(np.float64, 2), Array(np.float64, 2),
         Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int64, 1), _I64,
     ),
     "primitive assembly and clipping",
@@ -68,7 +72,7 @@ _DRAW = Door(
     "limner.raster.tile",
     "draw_tile",
     (
-        *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
+        *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1), Array(CUT, 1),
         Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64, Array(np.int32, 2), Array(np.float32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
         Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
@@ -81,7 +85,7 @@ _DRAW_AOV = Door(
     "limner.raster.aov_tile",
     "draw_aov_tile",
     (
-        *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1),
+        *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1), Array(CUT, 1),
         Array(np.int32, 1), Array(np.int64, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 3), Array(np.int32, 3),
         _I64, _I64, _I64, _I64, _I64,
     ),
@@ -97,9 +101,10 @@ class Vertices(NamedTuple):
 
 
 class Bins(NamedTuple):
-    """Screen triangles, and for each tile which of them may touch it: binned[ranges[tile] : ranges[tile + 1]]."""
+    """Screen triangles with the cuts that bound them, and for each tile which of them may touch it: binned[ranges[tile] : ranges[tile + 1]]."""
 
     screen: NDArray[np.void]
+    cuts: NDArray[np.void]
     binned: NDArray[np.int32]
     ranges: NDArray[np.int64]
 
@@ -134,6 +139,10 @@ def prepare(
     tile_size: int = TILE_SIZE,
     multisample: int = 0,
     frequency: int = PER_FRAGMENT,
+    hidden_surfaces: str = "zbuffer",
+    clipping: str = "homogeneous",
+    tree: BspTree | None = None,
+    on_note: Callable[[str], None] | None = None,
 ) -> Callable[[Tile, int, int], None]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
 
@@ -150,9 +159,17 @@ def prepare(
         0: every sample is shaded; n: samples come n at a time, and what covers several is shaded once.
     frequency : PER_FRAGMENT | PER_VERTEX | PER_TRIANGLE
         Where the shading is computed.
+    hidden_surfaces : "zbuffer" | "painter"
+        Compare depths (FoCG 8.2.3), or draw from back to front (FoCG 8.2.2; see `painter`).
+    clipping : "homogeneous" | "world"
+        Clip after the projection (FoCG 8.1.5), or to the viewing pyramid before it (FoCG 8.1.4).
+    tree : BspTree, optional
+        Of the painter (`painter.build_tree`), if it is there already.
+    on_note : callable, optional
+        Takes what a person should know about the picture, in one line.
     """
     height, width = film.shape[:2]
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     class Worker(threading.local):
@@ -169,7 +186,16 @@ def prepare(
 
 
 def draw_channels(
-    tables: SceneTables, view: View, values: NDArray[np.float32], ids: NDArray[np.int32], *, threads: int, tile_size: int = TILE_SIZE
+    tables: SceneTables,
+    view: View,
+    values: NDArray[np.float32],
+    ids: NDArray[np.int32],
+    *,
+    threads: int,
+    tile_size: int = TILE_SIZE,
+    hidden_surfaces: str = "zbuffer",
+    clipping: str = "homogeneous",
+    tree: BspTree | None = None,
 ) -> None:
     """Fill the channels beside the picture (`limner.aov`) from the sample in the centre of each pixel.
 
@@ -179,9 +205,11 @@ def draw_channels(
         Without blended materials.
     values, ids : (height, width, 16) float32, (height, width, 3) int32
         As `limner.aov.empty_values` makes them; row 0 at the bottom.
+    hidden_surfaces, clipping, tree
+        As in `prepare`.
     """
     height, width = ids.shape[:2]
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads)
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree)
     scratch = _Scratch(tile_size * tile_size)
 
     def draw_tile(tile: Tile) -> None:
@@ -190,11 +218,31 @@ def draw_channels(
     run_all(draw_tile, tiles_of(width, height, tile_size), threads)
 
 
-def _geometry(tables: SceneTables, view: View, width: int, height: int, tile_size: int, threads: int) -> tuple[Vertices, Bins]:
-    """The stages before the pixels: vertices, assembly and clipping, bins."""
+def _geometry(
+    tables: SceneTables,
+    view: View,
+    width: int,
+    height: int,
+    tile_size: int,
+    threads: int,
+    hidden_surfaces: str = "zbuffer",
+    clipping: str = "homogeneous",
+    tree: BspTree | None = None,
+    on_note: Callable[[str], None] | None = None,
+) -> tuple[Vertices, Bins]:
+    """The stages before the pixels: vertices, assembly and clipping, the painter's order where it is wanted, bins."""
     vertices = _transform(tables, view, threads)
-    chunks, screen = _assemble(tables, view, vertices, threads)
-    return vertices, _bin(screen, chunks, width, height, tile_size, threads)
+    clip_planes = pyramid_planes(view.camera) if clipping == "world" else np.zeros((0, 4))
+    chunks, screen = _assemble(tables, view, vertices, clip_planes, threads)
+    cuts = np.zeros(0, dtype=CUT)
+    if hidden_surfaces == "painter":
+        whole = np.concatenate([np.zeros(0, dtype=SCREEN_TRIANGLE), *(screen[a:b] for a, b in chunks)])
+        drawn, note = painter.order(tables, view.camera, tree)
+        screen, cuts = painter.ranked(tables, view.camera, vertices, whole, drawn)
+        chunks = [(a, min(a + _CHUNK, len(screen))) for a in range(0, len(screen), _CHUNK)]
+        if note is not None and on_note is not None:
+            on_note(note)
+    return vertices, _bin(screen, cuts, chunks, width, height, tile_size, threads)
 
 
 def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
@@ -235,7 +283,9 @@ def _transform(tables: SceneTables, view: View, threads: int) -> Vertices:
     return Vertices(transformed, first_vertex)
 
 
-def _assemble(tables: SceneTables, view: View, vertices: Vertices, threads: int) -> tuple[list[tuple[int, int]], NDArray[np.void]]:
+def _assemble(
+    tables: SceneTables, view: View, vertices: Vertices, clip_planes: NDArray[np.float64], threads: int
+) -> tuple[list[tuple[int, int]], NDArray[np.void]]:
     """Screen triangles in chunks with gaps between; clipping can make more of them than there were, and then it runs again."""
     jobs, groups = _jobs(tables, "n_triangles", vertices.first_vertex)
     sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
@@ -247,9 +297,11 @@ def _assemble(tables: SceneTables, view: View, vertices: Vertices, threads: int)
 
         def assemble(chunk: int, places: NDArray[np.int64] = places, screen: NDArray[np.void] = screen) -> None:
             polygon, scratch = (np.empty((MAX_CLIPPED, 4), dtype=np.float32) for _ in range(2))
+            world, world_scratch = (np.empty((MAX_CLIPPED, 6)) for _ in range(2))  # position and barycentric coordinates
             _ASSEMBLE(
-                tables.instances, tables.meshes, tables.triangles, tables.slots, tables.materials, view.camera, vertices.transformed,
-                jobs, *groups[chunk], polygon, scratch, screen, int(places[chunk]), int(places[chunk + 1]), counts, chunk,
+                tables.instances, tables.meshes, tables.positions, tables.triangles, tables.slots, tables.materials, view.camera,
+                view.raster_from_object, vertices.transformed, clip_planes, jobs, *groups[chunk], polygon, scratch, world, world_scratch,
+                screen, int(places[chunk]), int(places[chunk + 1]), counts, chunk,
             )  # fmt: skip
 
         run_all(assemble, range(len(groups)), threads)
@@ -258,7 +310,15 @@ def _assemble(tables: SceneTables, view: View, vertices: Vertices, threads: int)
         capacity = np.maximum(capacity, counts)
 
 
-def _bin(screen: NDArray[np.void], chunks: list[tuple[int, int]], width: int, height: int, tile_size: int, threads: int) -> Bins:
+def _bin(
+    screen: NDArray[np.void],
+    cuts: NDArray[np.void],
+    chunks: list[tuple[int, int]],
+    width: int,
+    height: int,
+    tile_size: int,
+    threads: int,
+) -> Bins:
     columns, rows = -(-width // tile_size), -(-height // tile_size)
     counts = np.zeros((max(len(chunks), 1), columns * rows), dtype=np.int64)
     run_all(lambda k: _COUNT(screen, *chunks[k], tile_size, columns, rows, counts, k), range(len(chunks)), threads)
@@ -266,7 +326,7 @@ def _bin(screen: NDArray[np.void], chunks: list[tuple[int, int]], width: int, he
     places = np.ascontiguousarray(ranges[:-1] + np.cumsum(counts, axis=0) - counts)
     binned = np.empty(int(ranges[-1]), dtype=np.int32)
     run_all(lambda k: _BIN(screen, *chunks[k], tile_size, columns, rows, places, k, binned), range(len(chunks)), threads)
-    return Bins(screen, binned, ranges)
+    return Bins(screen, cuts, binned, ranges)
 
 
 class _Scratch(threading.local):

@@ -93,7 +93,7 @@ def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blen
         _clear(last_depth, last_seen, _NEAREST_POSSIBLE, n)
         for _ in range(_MAX_LAYERS):
             _clear(next_depth, next_seen, -ONE, n)
-            if not fill_transparent(screen, binned, first, last, window, ox, oy, depth, last_depth, last_seen, next_depth, next_seen):
+            if not fill_transparent(screen, binned, first, last, window, ox, oy, frame, depth, last_depth, last_seen, next_depth, next_seen):
                 break
             _blend_layer(
                 screen, window, ox, oy, n, camera, scene, lighting, frame, frequency, next_depth, next_seen, last_depth, last_seen, layers,
@@ -162,7 +162,7 @@ def _multisample(
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    header, sky, sky_cumulative, emitters, camera_table, vertices, first_vertex, screen, binned, bin_range, has_blend, multisample,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, has_blend, multisample,
     frequency, sample_places, background, depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
@@ -172,8 +172,8 @@ def draw_tile(
     room for `multisample` samples a pixel; 0: every sample is shaded for itself, as it also is where there is transparency.
     """
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    lighting = (header, sky, sky_cumulative, emitters)
-    frame = (vertices, first_vertex)
+    lighting = (header, sky, sky_cumulative, emitters, blurred)
+    frame = (vertices, first_vertex, cuts)
     camera = camera_table[0]
     window = (first_column, first_row, columns, rows)
     first, last = bin_range[tile], bin_range[tile + 1]

@@ -1,9 +1,9 @@
 """Path tracing (FoCG 23; Kajiya, *The rendering equation*, 1986): all light, however often it was scattered.
 
-A path starts at the eye and is scattered at every surface as the surface scatters light. At each it asks the lights directly (next-event
-estimation), and what it meets by chance counts too; where both ways can find the same light, each is weighted by how likely it was to
-(multiple importance sampling, balance heuristic: Veach 1997, 9.2.2). After a few surfaces a path that carries little is ended by lot and the
-others are strengthened for it (Russian roulette), which changes no mean.
+A path starts at the eye and is scattered at every surface as the surface scatters light. At each it asks the lights directly
+(next-event estimation), and what it meets by chance counts too; where both ways can find the same light, each is weighted by how likely
+it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2). After a few surfaces a path that carries little is ended
+by lot and the others are strengthened for it (Russian roulette), which changes no mean.
 
 Ambient light is a sky of one brightness that the camera does not see.
 """
@@ -167,9 +167,7 @@ def path_radiance(
             total = total + throughput * bsdf.emission * weight
         if scatterings >= max_depth or material["kind"] == SHADOW_CATCHER:
             break
-        total = total + throughput * _direct(
-            scene, accelerator, lighting, has_alpha, point, bsdf, wo, choice, u1, v1, u2, v2, stack
-        )
+        total = total + throughput * _direct(scene, accelerator, lighting, has_alpha, point, bsdf, wo, choice, u1, v1, u2, v2, stack)
         u, v = sample_2d(SOBOL, seed, i, j, sample, dimension + 3)
         scattered = sample_bsdf(bsdf, wo, sample_1d(SOBOL, seed, i, j, sample, dimension + 4), u, v)
         if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .._jit import kernel
 from .path import path_radiance
 
@@ -13,13 +11,14 @@ __all__ = ["trace_path_tile"]
 @kernel
 def trace_path_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes, header, sky, sky_cumulative, emitters, camera_table, raster_from_object, background, has_alpha,
+    nodes, primitives, corners, planes,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object, background, has_alpha,
     max_depth, seed, stack, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some paths for every pixel of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     accelerator = (nodes, primitives, corners, planes)
-    lighting = (header, sky, sky_cumulative, emitters)
+    lighting = (header, sky, sky_cumulative, emitters, blurred)
     camera = camera_table[0]
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):

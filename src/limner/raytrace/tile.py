@@ -16,13 +16,15 @@ _GRID_STEP = f32(1.0 / 256.0)
 @kernel
 def trace_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes, header, sky, sky_cumulative, emitters, camera_table, raster_from_object, sample_places, background, has_alpha, shadows, max_depth,
+    nodes, primitives, corners, planes,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object, sample_places,
+    background, has_alpha, shadows, max_depth,
     pending, stack, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     accelerator = (nodes, primitives, corners, planes)
-    lighting = (header, sky, sky_cumulative, emitters)
+    lighting = (header, sky, sky_cumulative, emitters, blurred)
     camera = camera_table[0]
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):

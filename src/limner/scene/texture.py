@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from ..errors import SceneError
 __all__ = ["MAX_TEXTURE_SIZE", "Filter", "Texels", "Texture", "Wrap"]
 
 Wrap = Literal["repeat", "mirror", "clamp"]
-Filter = Literal["nearest", "bilinear", "trilinear"]
+Filter = Literal["nearest", "bilinear", "trilinear", "anisotropic", "ripmap"]
 
 MAX_TEXTURE_SIZE = 16384
 
@@ -73,8 +73,10 @@ class Texture:
     texels : Texels
     wrap_u, wrap_v : "repeat" | "mirror" | "clamp"
         What lies outside [0, 1].
-    filter : "nearest" | "bilinear" | "trilinear"
-        Trilinear: bilinear in two mipmap levels, the level from the footprint.
+    filter : "nearest" | "bilinear" | "trilinear" | "anisotropic" | "ripmap"
+        Trilinear: bilinear in two mipmap levels, the level from the longer side of the pixel's footprint. Anisotropic: up to 16 such
+        lookups along it, the level from the shorter side; the sharpest and the slowest towards the horizon. Ripmap: one lookup in
+        copies reduced separately in width and height, which take four times the texels' memory; for footprints along u or v.
     uv_set : 0 or 1
         Which texture coordinates of the mesh.
     offset, scale : (2,) floats
@@ -95,8 +97,9 @@ class Texture:
         for field in ("wrap_u", "wrap_v"):
             if getattr(self, field) not in ("repeat", "mirror", "clamp"):
                 raise SceneError(f'texture.{field} must be "repeat", "mirror" or "clamp", got {getattr(self, field)!r}')
-        if self.filter not in ("nearest", "bilinear", "trilinear"):
-            raise SceneError(f'texture.filter must be "nearest", "bilinear" or "trilinear", got {self.filter!r}')
+        if self.filter not in get_args(Filter):
+            names = ", ".join(f'"{name}"' for name in get_args(Filter)[:-1])
+            raise SceneError(f'texture.filter must be {names} or "{get_args(Filter)[-1]}", got {self.filter!r}')
         if self.uv_set not in (0, 1):
             raise SceneError(f"texture.uv_set must be 0 or 1, got {self.uv_set!r}")
         if not all(math.isfinite(x) for x in (*self.offset, *self.scale, self.rotation)):

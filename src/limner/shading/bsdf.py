@@ -37,6 +37,7 @@ class Bsdf(NamedTuple):
     f0: Color  # microfacet lobe: reflectance at normal incidence
     roughness2: np.float32  # its alpha: perceptual roughness squared
     ambient: Color  # what ambient light is multiplied by
+    occlusion: np.float32  # the share of it that is not hidden nearby
     mirror: Color  # ideal reflection
     emission: Color
     alpha: np.float32  # coverage
@@ -111,10 +112,10 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         ks = ks * material["specular_scale"]
         km = _color3(material["mirror"])
         p = -material["exponent"] if material["highlight"] == PHONG else material["exponent"]
-        return Bsdf(point.ns, base, ks, p, black, ONE, ambient, km, emission, alpha, base)
+        return Bsdf(point.ns, base, ks, p, black, ONE, ambient, ONE, km, emission, alpha, base)
     if kind == METALLIC_ROUGHNESS:
         if material["unlit"] != 0:
-            return Bsdf(point.ns, black, black, ONE, black, ONE, black, black, base + emission, alpha, base)
+            return Bsdf(point.ns, black, black, ONE, black, ONE, black, ONE, black, base + emission, alpha, base)
         rough = _textured(material["metallic_roughness_texture"], point, textures, texels)
         roughness, metallic = material["roughness"] * rough.g, material["metallic"] * rough.b
         occlusion = ONE
@@ -127,8 +128,8 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
         diffuse = base * (ONE - metallic)
         ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
-        return Bsdf(ns, diffuse, black, ONE, f0, roughness * roughness, ambient, black, emission, alpha, base)
-    return Bsdf(point.ns, base, black, ONE, black, ONE, ambient, black, emission, alpha, base)
+        return Bsdf(ns, diffuse, black, ONE, f0, roughness * roughness, ambient, occlusion, black, emission, alpha, base)
+    return Bsdf(point.ns, base, black, ONE, black, ONE, ambient, ONE, black, emission, alpha, base)
 
 
 @kernel

@@ -66,7 +66,9 @@ def sample_emitter(scene, lighting, p: Vec3, choice: np.float32, u: np.float32, 
     instance = instances[emitter["instance"]]
     b1, b2 = warp_triangle(u, v)
     mesh = meshes[instance["mesh"]]
-    point = surface_at((positions, triangles, attributes, slots), instance, mesh, np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2))
+    point = surface_at(
+        (positions, triangles, attributes, slots), instance, mesh, np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2)
+    )
     to_light = point.position - p
     squared = dot(to_light, to_light)
     if squared <= ZERO:

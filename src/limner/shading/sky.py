@@ -14,14 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.elementary import INV_PI, PI, TWO_PI, acos, atan2, cos, floor, safe_sqrt, sin
+from ..kernel.elementary import INV_PI, PI, TWO_PI, acos, atan2, cos, floor, safe_sqrt, sin, sqrt
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, max_component, reflect
 from .bsdf import Bsdf
+from .prefilter import blurred_radiance, sent_on
 
 __all__ = ["SkySample", "ambient_from_sky", "pdf_sky", "sample_sky", "sky_irradiance", "sky_radiance"]
 
 f32 = np.float32
 _HALF = f32(0.5)
+_DIELECTRIC = f32(0.04)
 _Y00 = f32(0.5 / math.sqrt(math.pi))
 _Y1 = f32(math.sqrt(3.0 / (4.0 * math.pi)))
 _Y2 = f32(math.sqrt(15.0 / (4.0 * math.pi)))
@@ -57,7 +59,7 @@ def _texel(sky, j: int, i: int) -> Color:
 @kernel
 def sky_radiance(lighting, d: Vec3) -> Color:
     """The radiance from a unit direction, bilinear between texel centres; black where there is no sky."""
-    header_table, sky, _, _ = lighting
+    header_table, sky, _, _, _ = lighting
     header = header_table[0]
     if header["sky_present"] == 0:
         return Color(ZERO, ZERO, ZERO)
@@ -93,7 +95,7 @@ def _find(cumulative, start: int, n: int, u: np.float32) -> int:
 @kernel
 def sample_sky(lighting, u: np.float32, v: np.float32) -> SkySample:
     """Draw a direction in proportion to the radiance; pdf 0 where there is no sky."""
-    header_table, _, cumulative, _ = lighting
+    header_table, _, cumulative, _, _ = lighting
     header = header_table[0]
     up = Vec3(ZERO, ONE, ZERO)
     if header["sky_present"] == 0:
@@ -121,7 +123,7 @@ def sample_sky(lighting, u: np.float32, v: np.float32) -> SkySample:
 @kernel
 def pdf_sky(lighting, d: Vec3) -> np.float32:
     """The density with which `sample_sky` draws a direction, per steradian."""
-    header_table, _, cumulative, _ = lighting
+    header_table, _, cumulative, _, _ = lighting
     header = header_table[0]
     if header["sky_present"] == 0:
         return ZERO
@@ -159,15 +161,15 @@ def sky_irradiance(lighting, n: Vec3) -> Color:
 
 @kernel
 def ambient_from_sky(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
-    """What a surface sends on of the whole sky, unshadowed: the matte part by irradiance, the rough mirror by that about its reflection."""
-    if lighting[0][0]["sky_present"] == 0:
+    """What a surface sends on of the whole sky, unshadowed: the matte part by irradiance, the microfacets by the blurred sky."""
+    header = lighting[0][0]
+    if header["sky_present"] == 0:
         return Color(ZERO, ZERO, ZERO)
-    total = bsdf.ambient * sky_irradiance(lighting, bsdf.ns) * INV_PI
-    if max_component(bsdf.f0) > ZERO:
-        r = reflect(-wo, bsdf.ns)
-        if dot(r, bsdf.ns) > ZERO:
-            matte = bsdf.f0 * sky_irradiance(lighting, bsdf.ns) * INV_PI
-            shiny = bsdf.f0 * sky_radiance(lighting, r)
-            # bsdf.ambient holds both lobes: put the mirrored sky in place of the mean one, as far as the surface is smooth.
-            total = total + (shiny - matte) * (ONE - bsdf.roughness2)
-    return Color(max(total.r, ZERO), max(total.g, ZERO), max(total.b, ZERO))
+    matte = sky_irradiance(lighting, bsdf.ns) * INV_PI
+    if max_component(bsdf.f0) <= ZERO:
+        return bsdf.ambient * matte
+    n_v = max(dot(bsdf.ns, wo), ZERO)
+    roughness = sqrt(bsdf.roughness2)
+    r = reflect(-wo, bsdf.ns)
+    shiny = blurred_radiance(lighting[4], sky_radiance(lighting, r), _turned(header, r), roughness, header["sky_intensity"])
+    return (bsdf.diffuse * matte * (ONE - _DIELECTRIC) + sent_on(bsdf.f0, n_v, roughness) * shiny) * bsdf.occlusion

@@ -17,8 +17,19 @@ from .._jit import kernel
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
 
 __all__ = [
-    "Barycentrics", "Footprint", "SurfacePoint", "barycentrics_at", "barycentrics_of_hit", "flip_to_front", "surface_at",
-    "to_raster", "transform_normal", "transform_point", "transform_vector", "with_normal", "transformed_reach",
+    "Barycentrics",
+    "Footprint",
+    "SurfacePoint",
+    "barycentrics_at",
+    "barycentrics_of_hit",
+    "flip_to_front",
+    "surface_at",
+    "to_raster",
+    "transform_normal",
+    "transform_point",
+    "transform_vector",
+    "transformed_reach",
+    "with_normal",
 ]  # fmt: skip
 
 f32 = np.float32

@@ -1,4 +1,8 @@
-"""Texture lookup (FoCG 11.3): nearest, bilinear, trilinear in mipmaps; texels are bytes, sRGB decoded by table."""
+"""Texture lookup (FoCG 11.3): nearest, bilinear, in mipmaps and in ripmaps; texels are bytes, sRGB decoded by table.
+
+A pixel sees a piece of the texture. `nearest` and `bilinear` look at its middle; `trilinear` averages a square as large as the
+piece is long; `anisotropic` and `ripmap` average what is seen, also where it is longer than wide (`anisotropy`).
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,8 @@ from .._jit import kernel
 from ..color.decode_table import SRGB_DECODE
 from ..kernel.elementary import floor, log2
 from ..kernel.vec import ONE, ZERO, Color
-from ..tables.layouts import CLAMP, MIRROR, NEAREST, REPEAT, TRILINEAR
+from ..tables.layouts import ANISOTROPIC, BILINEAR, CLAMP, MIRROR, NEAREST, REPEAT, TRILINEAR
+from .anisotropy import probes_of_footprint, reduction_along
 from .surface import SurfacePoint
 
 __all__ = ["sample_texture"]
@@ -62,9 +67,8 @@ def _nearest(texture, texels, s: np.float32, t: np.float32):
 
 
 @kernel
-def _bilinear(texture, texels, level: int, s: np.float32, t: np.float32):
-    """The four texels around (s, t), weighted by their nearness (FoCG 11.3.2)."""
-    w, h = max(1, texture["width"] >> level), max(1, texture["height"] >> level)
+def _four_texels(texture, texels, start: int, w: int, h: int, s: np.float32, t: np.float32):
+    """The four texels around (s, t) in a picture of w x h texels, and how near (s, t) is to the right and the upper ones."""
     x, y = s * f32(w) - _HALF, t * f32(h) - _HALF
     fx, fy = floor(x), floor(y)
     a, b = x - fx, y - fy
@@ -73,14 +77,32 @@ def _bilinear(texture, texels, level: int, s: np.float32, t: np.float32):
     j1 = _neighbour(j0 + 1, h, texture["wrap_v"])
     i0 = _neighbour(i0, w, texture["wrap_u"])
     j0 = _neighbour(j0, h, texture["wrap_v"])
-    start, srgb = texture["level"][level], texture["srgb"]
+    srgb = texture["srgb"]
     c00, a00 = _texel(texels, start + 4 * (j0 * w + i0), srgb)
     c10, a10 = _texel(texels, start + 4 * (j0 * w + i1), srgb)
     c01, a01 = _texel(texels, start + 4 * (j1 * w + i0), srgb)
     c11, a11 = _texel(texels, start + 4 * (j1 * w + i1), srgb)
+    return c00, a00, c10, a10, c01, a01, c11, a11, a, b
+
+
+@kernel
+def _bilinear(texture, texels, level: int, s: np.float32, t: np.float32):
+    """The four texels around (s, t) in a mipmap level, weighted by their nearness (FoCG 11.3.2)."""
+    w, h = max(1, texture["width"] >> level), max(1, texture["height"] >> level)
+    start = texture["level"][level]
+    c00, a00, c10, a10, c01, a01, c11, a11, a, b = _four_texels(texture, texels, start, w, h, s, t)
     lower, upper = c00 * (ONE - a) + c10 * a, c01 * (ONE - a) + c11 * a
     lower_alpha, upper_alpha = a00 * (ONE - a) + a10 * a, a01 * (ONE - a) + a11 * a
     return lower * (ONE - b) + upper * b, lower_alpha * (ONE - b) + upper_alpha * b
+
+
+@kernel
+def _steady(texture, texels, start: int, w: int, h: int, s: np.float32, t: np.float32):
+    """The same mean written as p + (q - p) a, which is p to the bit where p = q: sums of many lookups stay what they were."""
+    c00, a00, c10, a10, c01, a01, c11, a11, a, b = _four_texels(texture, texels, start, w, h, s, t)
+    lower, upper = c00 + (c10 - c00) * a, c01 + (c11 - c01) * a
+    lower_alpha, upper_alpha = a00 + (a10 - a00) * a, a01 + (a11 - a01) * a
+    return lower + (upper - lower) * b, lower_alpha + (upper_alpha - lower_alpha) * b
 
 
 @kernel
@@ -94,27 +116,8 @@ def _level_of_detail(texture, dudx: np.float32, dvdx: np.float32, dudy: np.float
 
 
 @kernel
-def sample_texture(texture, texels, point: SurfacePoint):
-    """(Color, alpha) of a texture at a surface point, filtered over the pixel's footprint."""
-    m, f = texture["transform"], point.footprint
-    u, v = point.u, point.v
-    dudx, dvdx, dudy, dvdy = f.dudx, f.dvdx, f.dudy, f.dvdy
-    if texture["uv_set"] == 1:
-        u, v = point.u1, point.v1
-        dudx, dvdx, dudy, dvdy = f.du1dx, f.dv1dx, f.du1dy, f.dv1dy
-    s = _fold(m[0, 0] * u + m[0, 1] * v + m[0, 2], texture["wrap_u"])
-    t = _fold(m[1, 0] * u + m[1, 1] * v + m[1, 2], texture["wrap_v"])
-    if texture["filter"] == NEAREST:
-        return _nearest(texture, texels, s, t)
-    if texture["filter"] != TRILINEAR:
-        return _bilinear(texture, texels, 0, s, t)
-    lod = _level_of_detail(
-        texture,
-        m[0, 0] * dudx + m[0, 1] * dvdx,
-        m[1, 0] * dudx + m[1, 1] * dvdx,
-        m[0, 0] * dudy + m[0, 1] * dvdy,
-        m[1, 0] * dudy + m[1, 1] * dvdy,
-    )
+def _trilinear(texture, texels, lod: np.float32, s: np.float32, t: np.float32):
+    """Bilinear in the two mipmap levels around `lod`, mixed."""
     last = texture["n_levels"] - 1
     lod = min(lod, f32(last))
     level = int(lod)
@@ -124,3 +127,96 @@ def sample_texture(texture, texels, point: SurfacePoint):
         coarse, coarse_alpha = _bilinear(texture, texels, level + 1, s, t)
         return c * (ONE - b) + coarse * b, alpha * (ONE - b) + coarse_alpha * b
     return c, alpha
+
+
+@kernel
+def _in_level(texture, texels, level: int, s: np.float32, t: np.float32):
+    w, h = max(1, texture["width"] >> level), max(1, texture["height"] >> level)
+    return _steady(texture, texels, texture["level"][level], w, h, s, t)
+
+
+@kernel
+def _anisotropic(texture, texels, u: np.float32, v: np.float32, change):
+    """The mean of trilinear lookups along the longer axis of the pixel's footprint; (u, v) is not yet folded."""
+    dudx, dvdx, dudy, dvdy = change
+    probes = probes_of_footprint(dudx, dvdx, dudy, dvdy, f32(texture["width"]), f32(texture["height"]))
+    lod = min(probes.level, f32(texture["n_levels"] - 1))
+    level = int(lod)
+    b = lod - f32(level)
+    inverse = ONE / f32(max(1, probes.count - 1))
+    first, first_alpha = Color(ZERO, ZERO, ZERO), ZERO
+    more, more_alpha = Color(ZERO, ZERO, ZERO), ZERO
+    for k in range(probes.count):
+        place = f32(k) * inverse - _HALF
+        s = _fold(u + probes.du * place, texture["wrap_u"])
+        t = _fold(v + probes.dv * place, texture["wrap_v"])
+        c, alpha = _in_level(texture, texels, level, s, t)
+        if b > ZERO:
+            coarse, coarse_alpha = _in_level(texture, texels, level + 1, s, t)
+            c, alpha = c + (coarse - c) * b, alpha + (coarse_alpha - alpha) * b
+        if k == 0:
+            first, first_alpha = c, alpha
+        more, more_alpha = more + (c - first), more_alpha + (alpha - first_alpha)
+    share = ONE / f32(probes.count)
+    return first + more * share, first_alpha + more_alpha * share
+
+
+@kernel
+def _in_copy(texture, texels, column: int, row: int, s: np.float32, t: np.float32):
+    """Bilinear in the copy of a ripmap that is reduced `column` times in width and `row` times in height."""
+    w, h = max(1, texture["width"] >> column), max(1, texture["height"] >> row)
+    whole_row = texture["widths"][texture["n_columns"]]
+    start = texture["level"][0] + 4 * (texture["heights"][row] * whole_row + h * texture["widths"][column])
+    return _steady(texture, texels, start, w, h, s, t)
+
+
+@kernel
+def _in_row(texture, texels, across: np.float32, row: int, s: np.float32, t: np.float32):
+    """Two neighbours of a ripmap's row of copies, mixed."""
+    column = int(across)
+    a = across - f32(column)
+    c, alpha = _in_copy(texture, texels, column, row, s, t)
+    if a > ZERO:
+        narrow, narrow_alpha = _in_copy(texture, texels, column + 1, row, s, t)
+        return c + (narrow - c) * a, alpha + (narrow_alpha - alpha) * a
+    return c, alpha
+
+
+@kernel
+def _ripmap(texture, texels, s: np.float32, t: np.float32, change):
+    """Bilinear in each of the four copies around the footprint's extents along u and v, and bilinear among these (FoCG 11.3.3)."""
+    dudx, dvdx, dudy, dvdy = change
+    across = min(reduction_along(dudx, dudy, f32(texture["width"])), f32(texture["n_columns"] - 1))
+    up = min(reduction_along(dvdx, dvdy, f32(texture["height"])), f32(texture["n_rows"] - 1))
+    row = int(up)
+    b = up - f32(row)
+    c, alpha = _in_row(texture, texels, across, row, s, t)
+    if b > ZERO:
+        low, low_alpha = _in_row(texture, texels, across, row + 1, s, t)
+        return c + (low - c) * b, alpha + (low_alpha - alpha) * b
+    return c, alpha
+
+
+@kernel
+def sample_texture(texture, texels, point: SurfacePoint):
+    """(Color, alpha) of a texture at a surface point, filtered over the pixel's footprint."""
+    m, f = texture["transform"], point.footprint
+    u, v = point.u, point.v
+    dudx, dvdx, dudy, dvdy = f.dudx, f.dvdx, f.dudy, f.dvdy
+    if texture["uv_set"] == 1:
+        u, v = point.u1, point.v1
+        dudx, dvdx, dudy, dvdy = f.du1dx, f.dv1dx, f.du1dy, f.dv1dy
+    u, v = m[0, 0] * u + m[0, 1] * v + m[0, 2], m[1, 0] * u + m[1, 1] * v + m[1, 2]
+    s, t = _fold(u, texture["wrap_u"]), _fold(v, texture["wrap_v"])
+    filter_ = texture["filter"]
+    if filter_ == NEAREST:
+        return _nearest(texture, texels, s, t)
+    if filter_ == BILINEAR:
+        return _bilinear(texture, texels, 0, s, t)
+    dudx, dvdx = m[0, 0] * dudx + m[0, 1] * dvdx, m[1, 0] * dudx + m[1, 1] * dvdx
+    dudy, dvdy = m[0, 0] * dudy + m[0, 1] * dvdy, m[1, 0] * dudy + m[1, 1] * dvdy
+    if filter_ == TRILINEAR:
+        return _trilinear(texture, texels, _level_of_detail(texture, dudx, dvdx, dudy, dvdy), s, t)
+    if filter_ == ANISOTROPIC:
+        return _anisotropic(texture, texels, u, v, (dudx, dvdx, dudy, dvdy))
+    return _ripmap(texture, texels, s, t, (dudx, dvdx, dudy, dvdy))

@@ -36,12 +36,15 @@ OPAQUE, MASK, BLEND = 0, 1, 2
 REPEAT, MIRROR, CLAMP = 0, 1, 2
 
 # How texels are combined
-NEAREST, BILINEAR, TRILINEAR = 0, 1, 2
+NEAREST, BILINEAR, TRILINEAR, ANISOTROPIC, RIPMAP = 0, 1, 2, 3, 4
 
 # Kinds of projection
 PERSPECTIVE, ORTHOGRAPHIC = 0, 1
 
 MAX_TEXTURE_LEVELS = 16
+
+# The sky blurred for rough mirrors
+BLURRED_WIDTH, BLURRED_HEIGHT, BLURRED_LEVELS = 64, 32, 6
 
 CAMERA = np.dtype(
     [
@@ -139,10 +142,14 @@ LIGHT = np.dtype(
 TEXTURE = np.dtype(
     [
         ("level", i64, MAX_TEXTURE_LEVELS),  # place in texels of each mipmap level
+        ("widths", i64, MAX_TEXTURE_LEVELS),  # ripmap: how many texels the first k copies of a row are wide together
+        ("heights", i64, MAX_TEXTURE_LEVELS),  # ripmap: how many texels the first k rows of copies are high together
         ("transform", f32, (2, 3)),  # texture from uv
         ("width", i32),
         ("height", i32),
         ("n_levels", i32),
+        ("n_columns", i32),  # ripmap: copies of different width; 0: there are only mipmaps
+        ("n_rows", i32),
         ("srgb", i32),
         ("wrap_u", i32),
         ("wrap_v", i32),
@@ -188,15 +195,18 @@ class Lighting(NamedTuple):
     sky_cumulative : (n,) float32
         For drawing directions by their radiance: height + 1 shares of the rows, then width + 1 within each row.
     emitters : (n,) EMITTER
+    blurred : (n, width, 3) float32
+        The sky as rough mirrors see it, level below level (`limner.shading.prefilter`); empty where nobody asks for it.
     """
 
     header: NDArray[np.void]
     sky: NDArray[np.float32]
     sky_cumulative: NDArray[np.float32]
     emitters: NDArray[np.void]
+    blurred: NDArray[np.float32]
 
 
-LIGHTING_ARRAYS = (Array(LIGHTING, 1), Array(np.float32, 3), Array(np.float32, 1), Array(EMITTER, 1))
+LIGHTING_ARRAYS = (Array(LIGHTING, 1), Array(np.float32, 3), Array(np.float32, 1), Array(EMITTER, 1), Array(np.float32, 3))
 """The door arguments that a Lighting unpacks to."""
 
 

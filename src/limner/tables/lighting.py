@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from . import layouts
 from .layouts import Lighting, SceneTables
 
-__all__ = ["irradiance_harmonics", "lighting", "sky_cumulative"]
+__all__ = ["irradiance_harmonics", "lighting", "sky_cumulative", "sky_directions"]
 
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def lighting(
-    tables: SceneTables, sky: NDArray[np.float32] | None, intensity: float = 1.0, rotation_degrees: float = 0.0, visible: bool = False
-) -> Lighting:
+    tables: SceneTables, sky: NDArray[np.float32] | None, intensity: float = 1.0, rotation_degrees: float = 0.0, visible: bool = False,
+    blurred: NDArray[np.float32] | None = None,
+) -> Lighting:  # fmt: skip
     """Make the tables of a scene's lighting.
 
     Parameters
@@ -30,6 +31,8 @@ def lighting(
         Turns the sky about +y, counter-clockwise seen from above.
     visible : bool
         Whether the sky is also what lies behind everything.
+    blurred : (n, width, 3) float32, optional
+        What `limner.shading.prefilter` makes of the sky.
     """
     header = np.zeros(1, dtype=layouts.LIGHTING)
     row = header[0]
@@ -45,10 +48,10 @@ def lighting(
         cumulative = sky_cumulative(pixels)
     emitters, power = _emitters(tables)
     row["emitted_power"] = power
-    return Lighting(header, pixels, cumulative, emitters)
+    return Lighting(header, pixels, cumulative, emitters, np.zeros((0, 0, 3), dtype=np.float32) if blurred is None else blurred)
 
 
-def _directions(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def sky_directions(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """(height, width, 3) unit directions of texel centres, row 0 at the bottom, and (height, 1) solid angles."""
     theta = np.pi * (1.0 - (np.arange(height) + 0.5) / height)[:, None]
     phi = 2.0 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)[None, :]
@@ -67,7 +70,7 @@ def irradiance_harmonics(pixels: NDArray[np.float32], angle: float) -> NDArray[n
     step_y, step_x = max(1, height // 64), max(1, width // 128)
     rows, columns = height // step_y * step_y, width // step_x * step_x
     small = pixels[:rows, :columns].reshape(rows // step_y, step_y, columns // step_x, step_x, 3).mean(axis=(1, 3), dtype=np.float64)
-    d, solid_angle = _directions(*small.shape[:2])
+    d, solid_angle = sky_directions(*small.shape[:2])
     c, s = math.cos(angle), math.sin(angle)
     x, y, z = c * d[..., 0] + s * d[..., 2], d[..., 1], -s * d[..., 0] + c * d[..., 2]
     y1, y2, y20 = math.sqrt(3 / (4 * math.pi)), math.sqrt(15 / (4 * math.pi)), math.sqrt(5 / (16 * math.pi))
@@ -87,7 +90,7 @@ def sky_cumulative(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
 
     A texel counts with its neighbours, since looking it up mixes them in: what can be seen can be drawn.
     """
-    height, width = pixels.shape[:2]
+    height = len(pixels)
     brightness = pixels.astype(np.float64) @ _LUMINANCE
     padded = np.concatenate([brightness[:1], brightness, brightness[-1:]])
     vertical = (padded[:-2] + 2.0 * padded[1:-1] + padded[2:]) / 4.0

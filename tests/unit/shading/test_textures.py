@@ -163,7 +163,7 @@ def _both(texture: Texture, uvs: object = None) -> list[Image]:
 
 
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 4096), (4096, 1), (3, 7), (255, 129)])
-@pytest.mark.parametrize("mode", ["nearest", "bilinear", "trilinear"])
+@pytest.mark.parametrize("mode", ["nearest", "bilinear", "trilinear", "anisotropic", "ripmap"])
 def test_textures_of_any_size(height, width, mode):
     """Every value lies between the least and the greatest texel."""
     texels = _noise(height, width)
@@ -178,7 +178,7 @@ def test_textures_of_any_size(height, width, mode):
 def test_coordinates_that_are_no_places(bad):
     """NaN, infinity, and numbers without a fraction: some texel, no crash."""
     uvs = [[bad, 0], [1, bad], [1, 1], [0, 1]]
-    for mode in ("nearest", "bilinear", "trilinear"):
+    for mode in ("nearest", "bilinear", "trilinear", "anisotropic", "ripmap"):
         for image in _both(Texture(Texels(_noise(8, 8)), filter=mode), uvs):
             assert np.isfinite(image.pixels).all()
 

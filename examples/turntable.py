@@ -17,7 +17,7 @@ SIZE = {"width": 320, "height": 240}
 def main(folder: Path = Path()) -> None:
     """Write the clips into `folder`."""
     scene = limner.builtin("teapot")
-    for lights in ("auto", "world", "camera"):
+    for lights in ("world", "camera"):
         clip = write_turntable(scene, folder / f"turntable-{lights}.webp", N_PICTURES, fps=15, quality=85, lights=lights, **SIZE)
         print(f"{clip.path}: {clip.n_pictures} pictures, {clip.path.stat().st_size // 1024} KiB")
     clip = write_turntable(scene, folder / "turntable.gif", N_PICTURES, fps=15, **SIZE)

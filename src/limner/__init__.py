@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .produce import dataset
     from .progress import Progress
     from .raycaster import RayCaster
-    from .render import render
+    from .render import Renderer, render
     from .scene.camera import OrthographicCamera
     from .scene.camera import PerspectiveCamera as Camera
     from .scene.environment import Environment
@@ -60,6 +60,7 @@ __all__ = [
     "Progress",
     "RayCaster",
     "RenderError",
+    "Renderer",
     "Scene",
     "SceneError",
     "Shape",
@@ -86,7 +87,7 @@ _HOMES = {
     "mesh.mesh": ("Mesh",),
     "progress": ("Progress",),
     "raycaster": ("RayCaster",),
-    "render": ("render",),
+    "render": ("Renderer", "render"),
     "scene.camera": ("Camera", "OrthographicCamera"),
     "scene.environment": ("Environment",),
     "scene.library": ("builtin",),

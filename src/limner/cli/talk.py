@@ -46,7 +46,11 @@ class Talk:
         if self.quiet or line in self._said:
             return
         self._said.add(line)
-        sys.stderr.write(line + "\n")
+        try:
+            sys.stderr.write(line + "\n")
+            sys.stderr.flush()
+        except OSError:  # nobody listens, which is no reason to make no picture
+            return
 
     def warn(self, messages: Iterable[str]) -> None:
         """Say warnings that were collected."""

@@ -6,11 +6,14 @@ halves them separately, for footprints that are longer than wide, and takes four
 Each level averages two by two texels of the one above, in linear light; where a side is odd its last row or column is left out.
 Colour is weighted by alpha, so that what is transparent does not bleed in.
 
-      mipmap       ripmap     +----+--+-+
-      +----+                  |    |  | |     a row holds copies of one height, a column copies of one width;
-      |    |--+               +----+--+-+     the mipmap is its diagonal, to the bit
-      |    |  |+              |    |  | |
-      +----+--++              +----+--+-+
+    mipmap         ripmap
+    +-----+        +-----+--+-+
+    |     |        |     |  | |    a row of copies has one height, a column one width;
+    |     |        |     |  | |    the mipmap is the diagonal, to the bit
+    +-----+--+     +-----+--+-+
+          |  |     |     |  | |
+          +--+-+   +-----+--+-+
+             +-+   +-----+--+-+
 """
 
 from __future__ import annotations

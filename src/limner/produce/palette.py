@@ -45,7 +45,7 @@ class Tally:
     >>> tally = Tally()
     >>> tally.add(np.zeros((4, 4, 3), dtype=np.uint8))
     >>> tally.colors.tolist(), tally.counts.tolist()
-    ([[0.0, 0.0, 0.0]], [4.0])
+    ([[0.0, 0.0, 0.0]], [16.0])
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""Textures seen at a slant (FoCG 11.3.3): footprints against singular values, ripmaps against block means, pictures against many samples."""
+"""Textures seen at a slant (FoCG 11.3.3): footprints against singular values, ripmaps against means, pictures against many samples."""
 
 from __future__ import annotations
 
@@ -131,8 +131,9 @@ def test_a_ripmap_averages_rectangles(across: int, down: int) -> None:
     height, width = 64, 32
     pixels = _opaque(height, width)
     wide, high = 1 << across, 1 << down
-    v, u = np.meshgrid((np.arange(height // high) + 0.5) * high / height, (np.arange(width // wide) + 0.5) * wide / width, indexing="ij")
-    seen = _seen(Texture(Texels(pixels, srgb=False), filter="ripmap"), np.stack([u, v], -1).reshape(-1, 2), (wide / width, 0, 0, high / height))
+    rows, columns = np.indices((height // high, width // wide)) + 0.5
+    middles = np.stack([columns * wide / width, rows * high / height], axis=-1).reshape(-1, 2)
+    seen = _seen(Texture(Texels(pixels, srgb=False), filter="ripmap"), middles, (wide / width, 0, 0, high / height))
     mean = pixels.reshape(height // high, high, width // wide, wide, 4).mean(axis=(1, 3)) / 255.0
     rounded = 0.5 * max(across, down) / 255  # each copy is rounded to bytes
     np.testing.assert_allclose(seen, mean.reshape(-1, 4), atol=rounded + 1e-6)
@@ -316,8 +317,7 @@ def test_compiled_and_python_agree_to_the_bit() -> None:
     here = Path(__file__).resolve()
     paths = (here.parent, here.parents[2], here.parents[3] / "src")
     command = f"import sys; sys.path[:0] = {list(map(str, paths))!r}; import test_anisotropy as t; sys.stdout.write(t._digest())"
-    done = subprocess.run(
-        [sys.executable, "-c", command], env={**os.environ, "LIMNER_MODE": "python"}, capture_output=True, text=True, timeout=120, check=False
-    )
+    in_python = {**os.environ, "LIMNER_MODE": "python"}
+    done = subprocess.run([sys.executable, "-c", command], env=in_python, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout == _digest()

@@ -59,6 +59,7 @@ class Scalar(NamedTuple):
 Signature: TypeAlias = tuple[Array | Scalar, ...]
 
 _registry: dict[str, Door] = {}
+_DECLARING = ("limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe")  # what declares doors, when imported
 
 
 def doors() -> dict[str, Door]:
@@ -162,7 +163,8 @@ class Door:
 
 def warm_up(on_event: Callable[[str], None] | None = None) -> int:
     """Compile every door ahead of its first use. Returns how many were not in the cache."""
-    importlib.import_module("limner.render")
+    for declaring in _DECLARING:
+        importlib.import_module(declaring)
     fresh = 0
     for door in _registry.values():
         if not door.is_cached():

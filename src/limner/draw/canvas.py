@@ -201,7 +201,7 @@ class Canvas:
         """
         if rule not in RULES:
             raise UnsupportedError(f"rule must be one of {', '.join(RULES)}, got {rule!r}")
-        command = Filled(path, ink(color), rule, self._clip)
+        command = Filled(path.copy(), ink(color), rule, self._clip)
         edges = edges_of_rings([chain.points for chain in path.flattened()])
         fill_edges(edges, premultiplied([command.color]), rule, self._bounds(), self._pixels)
         return self._drawn(command)
@@ -216,7 +216,7 @@ class Canvas:
         pen : Pen or float
             A number is a width.
         """
-        command = Stroked(path, ink(color), _pen(pen), self._clip)
+        command = Stroked(path.copy(), ink(color), _pen(pen), self._clip)
         edges = edges_of_polygons(stroke_polygons(path, command.pen))
         fill_edges(edges, premultiplied([command.color]), "nonzero", self._bounds(), self._pixels)
         return self._drawn(command)

@@ -275,6 +275,15 @@ class Path:
         """Make straight lines of it, one chain for each subpath; they stray by at most `tolerance` pixels."""
         return [subpath.flattened(tolerance) for subpath in self.subpaths]
 
+    def copy(self) -> Path:
+        """A path of its own: what is added to one of the two is not added to the other."""
+        made = Path()
+        for subpath in self.subpaths:
+            twin = Subpath(subpath.start)
+            twin.pieces, twin.closed = list(subpath.pieces), subpath.closed
+            made.subpaths.append(twin)
+        return made
+
     def _open(self) -> Subpath:
         """The subpath that goes on; after a closed one a new one begins where it did."""
         if not self.subpaths:

@@ -81,9 +81,11 @@ def _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, corners, camera, facing,
         return 0
     if area < 0:
         x1, y1, x2, y2 = x2, y2, x1, y1
+    x_low, x_high = min(x0, min(x1, x2)), max(x0, max(x1, x2))
+    y_low, y_high = min(y0, min(y1, y2)), max(y0, max(y1, y2))
     # Within the picture: far outside, where large triangles have their middle, float32 would leave nothing of the depth inside.
-    xr = min(max((min(x0, min(x1, x2)) + max(x0, max(x1, x2))) // (2 * SUBPIXELS), 0), np.int64(camera["width"]))
-    yr = min(max((min(y0, min(y1, y2)) + max(y0, max(y1, y2))) // (2 * SUBPIXELS), 0), np.int64(camera["height"]))
+    xr = min(max((x_low + x_high) // (2 * SUBPIXELS), 0), np.int64(camera["width"]))
+    yr = min(max((y_low + y_high) // (2 * SUBPIXELS), 0), np.int64(camera["height"]))
     a, b, c = corners
     fits, z, dzdx, dzdy = _depth_plane(a, b, c, xr, yr, camera)
     if not fits:
@@ -92,6 +94,7 @@ def _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, corners, camera, facing,
         row = screen[place]
         row["x"][0], row["x"][1], row["x"][2] = x0, x1, x2
         row["y"][0], row["y"][1], row["y"][2] = y0, y1, y2
+        row["low"][0], row["low"][1], row["high"][0], row["high"][1] = x_low, y_low, x_high, y_high
         row["z"], row["dzdx"], row["dzdy"] = z, dzdx, dzdy
         row["x_reference"], row["y_reference"] = xr, yr
         row["first_cut"], row["n_cuts"] = 0, 0
@@ -206,13 +209,13 @@ def assemble_triangles(
 def _tile_range(screen_triangle, tile_size, columns, rows):
     """(first column, last, first row, last) of the tiles whose samples a triangle may cover."""
     half = SUBPIXELS // 2
-    x, y = screen_triangle["x"], screen_triangle["y"]
+    low, high = screen_triangle["low"], screen_triangle["high"]
     side = tile_size * SUBPIXELS
     # A pixel's samples reach half a pixel around its centre.
-    c0 = max(0, (min(x[0], min(x[1], x[2])) - half) // side)
-    c1 = min(columns - 1, (max(x[0], max(x[1], x[2])) + half) // side)
-    r0 = max(0, (min(y[0], min(y[1], y[2])) - half) // side)
-    r1 = min(rows - 1, (max(y[0], max(y[1], y[2])) + half) // side)
+    c0 = max(0, (low[0] - half) // side)
+    c1 = min(columns - 1, (high[0] + half) // side)
+    r0 = max(0, (low[1] - half) // side)
+    r1 = min(rows - 1, (high[1] + half) // side)
     return c0, c1, r0, r1
 
 

@@ -228,12 +228,13 @@ def _write_cut(cuts, place: int, value: np.float64, slope_x: np.float64, slope_y
 
 @kernel
 def rank_triangles(
-    instances, meshes, triangles, camera_table, vertices, first_vertex, fragment_of, world, planes, fragments, tree_cuts, screen, cuts,
-    used,
+    instances, meshes, triangles, camera_table, vertices, first_vertex, fragment_of, world, planes, fragments, boxes, tree_cuts, screen,
+    cuts, used,
 ):  # fmt: skip
     """Give screen triangles, in the order of drawing, their rank for depth and the cuts that bound their fragments.
 
-    fragment_of (n,): of each screen triangle, -1: it is whole. used[0]: how many cuts. What reaches beyond the far plane is cut there.
+    fragment_of (n,): of each screen triangle, -1: it is whole. boxes (f, 4): around the fragments on the
+    screen, (low x, low y, high x, high y) on the subpixel grid. used[0]: how many cuts. What reaches beyond the far plane is cut there.
     """
     camera = camera_table[0]
     near, far = f64(camera["near"]), f64(camera["far"])
@@ -248,6 +249,10 @@ def rank_triangles(
             _write_cut(cuts, count, f64(row["z"]) - farthest, f64(row["dzdx"]), f64(row["dzdy"]), 1)
             count += 1
         fragment = fragment_of[k]
+        if fragment >= 0:
+            for axis in range(2):
+                row["low"][axis] = max(row["low"][axis], boxes[fragment, axis])
+                row["high"][axis] = min(row["high"][axis], boxes[fragment, 2 + axis])
         link = fragments[fragment, LAST_CUT] if fragment >= 0 else -1
         while link >= 0:
             own, plane = fragments[fragment, TRIANGLE], tree_cuts[link, CUT_TRIANGLE]

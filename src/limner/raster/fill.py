@@ -59,11 +59,11 @@ def _covers(screen_triangle, x: np.float32, y: np.float32, camera, scene, frame)
 @kernel
 def _bounds(screen_triangle, window, ox: int, oy: int):
     """The pixels of a window (first column, first row, columns, rows) whose samples lie in the triangle's box."""
-    x, y = screen_triangle["x"], screen_triangle["y"]
-    i0 = max(window[0], (min(x[0], min(x[1], x[2])) - ox + SUBPIXELS - 1) // SUBPIXELS)
-    i1 = min(window[0] + window[2], (max(x[0], max(x[1], x[2])) - ox) // SUBPIXELS + 1)
-    j0 = max(window[1], (min(y[0], min(y[1], y[2])) - oy + SUBPIXELS - 1) // SUBPIXELS)
-    j1 = min(window[1] + window[3], (max(y[0], max(y[1], y[2])) - oy) // SUBPIXELS + 1)
+    low, high = screen_triangle["low"], screen_triangle["high"]
+    i0 = max(window[0], (low[0] - ox + SUBPIXELS - 1) // SUBPIXELS)
+    i1 = min(window[0] + window[2], (high[0] - ox) // SUBPIXELS + 1)
+    j0 = max(window[1], (low[1] - oy + SUBPIXELS - 1) // SUBPIXELS)
+    j1 = min(window[1] + window[3], (high[1] - oy) // SUBPIXELS + 1)
     return i0, i1, j0, j1
 
 

@@ -24,6 +24,8 @@ SCREEN_TRIANGLE = np.dtype(
     [
         ("x", i32, 3),  # vertices on the subpixel grid, counter-clockwise
         ("y", i32, 3),
+        ("low", i32, 2),  # the box around it, (x, y) on the subpixel grid
+        ("high", i32, 2),
         ("z", f32),  # depth-buffer value at the reference pixel
         ("dzdx", f32),
         ("dzdy", f32),

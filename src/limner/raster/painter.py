@@ -22,7 +22,7 @@ from ..tables import layouts
 from ..tables.layouts import ORTHOGRAPHIC, SceneTables
 from . import bsp
 from .bsp import BspTree
-from .layouts import CUT, SCREEN_TRIANGLE
+from .layouts import CUT, SCREEN_TRIANGLE, SUBPIXELS
 
 __all__ = ["MAX_SORTED", "Order", "build_tree", "order", "ranked"]
 
@@ -37,7 +37,7 @@ _RANK = Door(
     (
         Array(layouts.INSTANCE, 1), Array(layouts.MESH_RANGES, 1), Array(np.int32, 2), Array(layouts.CAMERA, 1), Array(np.float32, 2),
         Array(np.int64, 1), Array(np.int32, 1), Array(np.float64, 3), Array(np.float64, 2), Array(np.int32, 2), Array(np.int32, 2),
-        Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int64, 1),
+        Array(np.int32, 2), Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int64, 1),
     ),
     "the painter's order",
 )  # fmt: skip
@@ -132,10 +132,34 @@ def ranked(
     cuts, used = np.zeros(n_cuts + total, dtype=CUT), np.zeros(1, dtype=np.int64)
     _RANK(
         tables.instances, tables.meshes, tables.triangles, camera, *vertices, fragment_of, tree.triangles, tree.planes, tree.fragments,
-        tree.cuts, sorted_screen, cuts, used,
+        _boxes(tree, camera), tree.cuts, sorted_screen, cuts, used,
     )  # fmt: skip
     return sorted_screen, cuts[: used[0]]
 
+
+@np.errstate(all="ignore")
+def _boxes(tree: BspTree, camera: NDArray[np.void]) -> NDArray[np.int32]:
+    """(f, 4) int32: boxes around the fragments on the screen, a pixel wider than they are; without end where one passes the eye's plane."""
+    if len(tree.fragments) == 0:
+        return np.zeros((0, 4), dtype=np.int32)
+    row = camera[0]
+    position, corner, dx, dy, gaze = (row[name].astype(np.float64) for name in ("position", "corner", "dx", "dy", "gaze"))
+    if row["kind"] == ORTHOGRAPHIC:
+        x, y, _ = np.linalg.solve(np.column_stack([dx, dy, gaze]), (tree.points - position - corner).T)
+    else:
+        x, y, w = np.linalg.solve(np.column_stack([dx, dy, corner]), (tree.points - position).T)
+        x, y = (np.where(w > 0.0, along / w, np.nan) for along in (x, y))
+    places = np.column_stack([x, y]) * SUBPIXELS
+    corners = np.arange(len(tree.fragments)).repeat(tree.fragments[:, 1])
+    first = np.concatenate([[0], np.cumsum(tree.fragments[:, 1], dtype=np.int64)])
+    places = places[np.arange(first[-1]) - first[corners] + tree.fragments[corners, 0]]
+    low, high = (extreme.reduceat(places, first[:-1], axis=0) for extreme in (np.minimum, np.maximum))
+    box = np.nan_to_num(np.column_stack([np.floor(low - SUBPIXELS), np.ceil(high + SUBPIXELS)]), nan=np.inf)
+    box[np.isnan(low).any(axis=1), :2] = -np.inf
+    return np.clip(box, -_FAR_OFF, _FAR_OFF).astype(np.int32)
+
+
+_FAR_OFF = 2.0**30
 
 _NO_TREE = BspTree(
     np.zeros((0, 3, 3)), np.zeros((0, 4)), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 6), dtype=np.int32),

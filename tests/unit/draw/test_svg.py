@@ -99,6 +99,15 @@ def test_words_are_escaped() -> None:
     assert float(texts[0].get("textLength", "0")) > float(texts[1].get("textLength", "0")) > 0
 
 
+def test_a_path_may_grow_after_it_was_drawn() -> None:
+    """The drawing keeps what it drew."""
+    path = Path().move_to(1, 1).line_to(5, 1).line_to(5, 5)
+    canvas = Canvas(9, 9).fill(path, "black")
+    before = canvas.svg()
+    path.line_to(1, 5).close().move_to(0, 0).line_to(9, 9)
+    assert canvas.svg() == before
+
+
 def test_clips_are_defined_once() -> None:
     canvas = Canvas(30, 30)
     with canvas.clipped(1, 2, 10, 9):

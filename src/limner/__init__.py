@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from .image.image import Image
     from .mesh.mesh import Mesh
     from .produce import dataset
+    from .produce.thumbnails import thumbnails
+    from .produce.turntable import turntable, write_turntable
+    from .produce.views import views
     from .progress import Progress
     from .raycaster import RayCaster
     from .render import Renderer, render
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
     from .scene.environment import Environment
     from .scene.library import builtin
     from .scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight
-    from .scene.material import BlinnPhong, Lambert, MetallicRoughness
+    from .scene.material import BlinnPhong, Lambert, MetallicRoughness, ShadowCatcher
     from .scene.node import Node
     from .scene.scene import Scene
     from .scene.shape import Box, Plane, Shape, Sphere
@@ -63,6 +66,7 @@ __all__ = [
     "Renderer",
     "Scene",
     "SceneError",
+    "ShadowCatcher",
     "Shape",
     "Sphere",
     "SpotLight",
@@ -72,9 +76,14 @@ __all__ = [
     "__version__",
     "builtin",
     "dataset",
+    "draw",
     "load",
     "open_image",
     "render",
+    "thumbnails",
+    "turntable",
+    "views",
+    "write_turntable",
 ]
 
 _ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
@@ -85,6 +94,9 @@ _HOMES = {
     "files.open_image": ("open_image",),
     "image.image": ("Image",),
     "mesh.mesh": ("Mesh",),
+    "produce.thumbnails": ("thumbnails",),
+    "produce.turntable": ("turntable", "write_turntable"),
+    "produce.views": ("views",),
     "progress": ("Progress",),
     "raycaster": ("RayCaster",),
     "render": ("Renderer", "render"),
@@ -92,13 +104,13 @@ _HOMES = {
     "scene.environment": ("Environment",),
     "scene.library": ("builtin",),
     "scene.light": ("AmbientLight", "DirectionalLight", "PointLight", "SpotLight"),
-    "scene.material": ("BlinnPhong", "Lambert", "MetallicRoughness"),
+    "scene.material": ("BlinnPhong", "Lambert", "MetallicRoughness", "ShadowCatcher"),
     "scene.node": ("Node",),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Plane", "Shape", "Sphere"),
     "scene.texture": ("Texels", "Texture"),
 }
-_MODULES = {"dataset": "produce.dataset"}
+_MODULES = {"dataset": "produce.dataset", "draw": "draw"}
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 

@@ -13,13 +13,13 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
 from .errors import SceneError
 
-__all__ = ["Cancelled", "OnProgress", "Tile", "is_whole", "run_all", "thread_count", "tiles_of"]
+__all__ = ["Cancelled", "OnProgress", "PerThread", "Tile", "is_whole", "run_all", "thread_count", "tiles_of"]
 
 T = TypeVar("T")
 
@@ -38,6 +38,19 @@ class Cancel(Protocol):
 
 class Cancelled(Exception):  # noqa: N818 - not an error: the picture so far is kept
     """The work was stopped before its end."""
+
+
+class PerThread(threading.local):
+    """What every thread makes for itself, once, on its first look: scratch memory, converted arguments.
+
+    Parameters
+    ----------
+    make : callable
+        Called without arguments; its result is `value`.
+    """
+
+    def __init__(self, make: Callable[[], Any]) -> None:
+        self.value = make()
 
 
 class Tile(NamedTuple):

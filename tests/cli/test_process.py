@@ -177,3 +177,28 @@ def test_warmup_says_that_all_is_ready(limner_process: Run) -> None:
     again = limner_process("warmup")
     assert again.returncode == 0
     assert again.stdout.startswith("everything is ready in ")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full here")
+@pytest.mark.parametrize("words", [("--help",), ("info", "cornell", "--json"), ("render", "cornell", "-o", "-", "--width", "8")])
+def test_a_full_standard_output_is_one_line(words: tuple[str, ...]) -> None:
+    """Code 1, and no talk of what was not foreseen."""
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([sys.executable, "-m", "limner", *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1] == "limner: error: cannot write standard output: No space left on device"
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a shell of Unix closes the streams")
+def test_closed_streams(tmp_path: Path) -> None:
+    """A picture needs neither stream; a result without standard output is an error, not a traceback."""
+    picture = tmp_path / "picture.png"
+    limner_command = f"{sys.executable} -m limner"
+    render = f"{limner_command} render cornell -o {picture} --width 8 --height 8 <&- >&- 2>&-"
+    assert subprocess.run(["sh", "-c", render], timeout=120).returncode == 0
+    with Picture.open(picture) as seen:
+        assert seen.size == (8, 8)
+    told = subprocess.run(["sh", "-c", f"{limner_command} info cornell >&-"], stderr=subprocess.PIPE, text=True, timeout=120)
+    assert told.returncode == 1
+    assert told.stderr == "limner: error: cannot write standard output: Bad file descriptor\n"

@@ -37,8 +37,8 @@ def test_importing_limner_imports_neither_numpy_nor_the_compiler() -> None:
 
 
 def test_describing_a_scene_and_holding_a_picture_never_import_the_compiler() -> None:
-    """Every public name but `render` stays clear of Numba and llvmlite."""
-    names = ", ".join(name for name in limner.__all__ if name != "render")
+    """Every public name but `render` and `Renderer` stays clear of Numba and llvmlite."""
+    names = ", ".join(name for name in limner.__all__ if name not in {"render", "Renderer"})
     assert not {"numba", "llvmlite", "PIL", "OpenEXR", "trimesh"} & _modules_after(f"from limner import {names}")
 
 
@@ -46,3 +46,8 @@ def test_render_stays_a_function() -> None:
     """Bug: importing the module `limner.render` puts it in the place of the function. Fix: the package puts it back."""
     checks = ("import limner.render", "assert callable(limner.render)", "from limner import render", "assert callable(render)")
     assert "limner.render" in _modules_after("\n".join(checks))
+
+
+def test_the_doors_of_the_architecture_are_public() -> None:
+    """What a program holds: one picture, many pictures, rays, a data set, cameras."""
+    assert {"Camera", "Environment", "Image", "RayCaster", "Renderer", "Scene", "dataset", "load", "render"} <= set(limner.__all__)

@@ -6,6 +6,7 @@ usage or bad input, 130 interrupted. What went wrong is one line on standard err
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
@@ -97,11 +98,13 @@ def _run(words: Sequence[str]) -> int:
 
 
 def _told(error: OSError) -> str:
-    """What the system refused; where no file is named, it was standard output."""
+    """What the system refused. Files are named in what is raised for them; without a name it is standard output that took no more."""
     from .talk import flattened
 
-    place = "cannot write standard output" if error.filename is None else flattened(str(error.filename))
-    return f"{place}: {error.strerror or flattened(str(error)) or type(error).__name__}"
+    if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO, errno.EBADF):
+        return f"cannot write standard output: {error.strerror}"
+    said = flattened(str(error))[:_LONGEST] or "failed"
+    return f"{said} ({type(error).__name__}, not foreseen; --traceback shows it)"
 
 
 def _hint(error: object) -> str:

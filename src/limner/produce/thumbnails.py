@@ -12,6 +12,7 @@ the rest. Whatever happens, each picture is whole or not there.
 
 from __future__ import annotations
 
+import gc
 import os
 import threading
 import time
@@ -173,6 +174,7 @@ def thumbnails(
                 finished = False
                 break
             items.append(made)
+            gc.collect(0)  # a scene and its film can refer to themselves; the collector counts objects, not the megabytes in them
     except KeyboardInterrupt:
         finished = False
     if finished:

@@ -117,7 +117,7 @@ def _is_number(v) -> bool:
 def _clip_in_world(polygon, world, scratch, corners, objects, instance, raster_from_object, planes) -> int:
     """Clip a triangle in world space, then transform what is left to `polygon` (k, 4). Returns its number of vertices.
 
-    `objects` are the three object-space points, `raster_from_object` the instance's (4, 4). Vertices that were there before keep their bits.
+    `objects` are the three object-space points, `raster_from_object` the instance's (4, 4). Vertices that are left keep their bits.
     """
     m = instance["world_from_object"]
     for i in range(3):
@@ -187,8 +187,9 @@ def assemble_triangles(
                     oa = _object_point(positions, p + triangles[row, 0])
                     ob = _object_point(positions, p + triangles[row, 1])
                     oc = _object_point(positions, p + triangles[row, 2])
+                    to_raster = raster_from_object[instance]
                     n = _clip_in_world(
-                        polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], raster_from_object[instance], clip_planes
+                        polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], to_raster, clip_planes
                     )
                 else:
                     for i in range(4):

@@ -163,13 +163,13 @@ def build_tree(triangles, planes, areas, tolerance, points, fragments, cuts, nod
                 # Later ones first: of what lies in one plane the first of the scene shall be on top.
                 fragments[f, NEXT] = nodes[node, LIST]
                 nodes[node, LIST] = f
-            if side == _BEFORE or side == _ACROSS:
+            if side in (_BEFORE, _ACROSS):
                 if front < 0:
                     front = f
                 else:
                     fragments[front_end, NEXT] = f
                 front_end = f
-            if side == _BEHIND or side == _ACROSS:
+            if side in (_BEHIND, _ACROSS):
                 if back < 0:
                     back = behind
                 else:

@@ -29,6 +29,7 @@ __all__ = ["MAX_SORTED", "Order", "build_tree", "order", "ranked"]
 MAX_SORTED = 10_000
 """Triangles after instancing that a BSP tree is built over."""
 
+_FAR_OFF = 2.0**30  # subpixels beyond which nothing lies
 _BY_CENTROID = "hidden surfaces: {} are sorted by the depth of their centroids, which is not right everywhere; the z-buffer is"
 
 _RANK = Door(
@@ -158,8 +159,6 @@ def _boxes(tree: BspTree, camera: NDArray[np.void]) -> NDArray[np.int32]:
     box[np.isnan(low).any(axis=1), :2] = -np.inf
     return np.clip(box, -_FAR_OFF, _FAR_OFF).astype(np.int32)
 
-
-_FAR_OFF = 2.0**30
 
 _NO_TREE = BspTree(
     np.zeros((0, 3, 3)), np.zeros((0, 4)), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 6), dtype=np.int32),

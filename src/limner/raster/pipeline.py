@@ -20,7 +20,7 @@ from ..tables import layouts
 from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
 from ..tables.lighting import lighting as lighting_of
-from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
+from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
 from .layouts import CUT, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
@@ -72,8 +72,9 @@ _DRAW = Door(
     "limner.raster.tile",
     "draw_tile",
     (
-        *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1), Array(CUT, 1),
-        Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64, Array(np.int32, 2), Array(np.float32, 1),
+        *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1),
+        Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64,
+        Array(np.int32, 2), Array(np.float32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
         Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
@@ -101,7 +102,7 @@ class Vertices(NamedTuple):
 
 
 class Bins(NamedTuple):
-    """Screen triangles with the cuts that bound them, and for each tile which of them may touch it: binned[ranges[tile] : ranges[tile + 1]]."""
+    """Screen triangles, the cuts that bound them, and which of them may touch a tile: binned[ranges[tile] : ranges[tile + 1]]."""
 
     screen: NDArray[np.void]
     cuts: NDArray[np.void]
@@ -172,17 +173,14 @@ def prepare(
     vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
-    class Worker(threading.local):
-        """The kernel with all that stays, converted once for each thread."""
+    def bound() -> Callable[..., None]:
+        scratch = _Scratch(tile_size * tile_size, max(1, multisample)).arrays
+        return _DRAW.bind(
+            *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, frequency, sample_places, background, *scratch, film
+        )
 
-        def __init__(self) -> None:
-            scratch = _Scratch(tile_size * tile_size, max(1, multisample)).arrays
-            self.draw = _DRAW.bind(
-                *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, frequency, sample_places, background, *scratch, film
-            )
-
-    worker = Worker()
-    return lambda tile, first_sample, last_sample: worker.draw(*tile, first_sample, last_sample)
+    kernel = PerThread(bound)
+    return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
 
 
 def draw_channels(

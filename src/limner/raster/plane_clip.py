@@ -24,7 +24,7 @@ def signed_distance(planes, plane: int, points, row: int) -> np.float64:
 
 @kernel
 def clip_polygon_to_plane(source, n: int, target, planes, plane: int) -> int:
-    """Copy the part of a convex polygon inside a plane, attributes and all (Sutherland and Hodgman 1974). Returns its number of vertices."""
+    """Copy the part of a convex polygon inside a plane, attributes and all (Sutherland and Hodgman 1974). Returns how many vertices."""
     count = 0
     for i in range(n):
         j = i + 1 if i + 1 < n else 0

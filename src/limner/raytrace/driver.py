@@ -15,7 +15,7 @@ from ..tables import layouts
 from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
 from ..tables.lighting import lighting as lighting_of
-from ..tiles import Cancel, OnProgress, Tile, run_all, tiles_of
+from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 
 __all__ = ["draw", "draw_channels", "prepare", "prepare_paths"]
 
@@ -117,17 +117,14 @@ def prepare(
     """
     has_alpha = _has_alpha(tables)
 
-    class Worker(threading.local):
-        """The kernel with all that stays, converted once for each thread."""
+    def bound() -> Callable[..., None]:
+        scratch = _Scratch().arrays
+        return _TRACE.bind(
+            *tables, *tree, *lighting, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch, film
+        )
 
-        def __init__(self) -> None:
-            scratch = _Scratch().arrays
-            self.trace = _TRACE.bind(
-                *tables, *tree, *lighting, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch, film
-            )
-
-    worker = Worker()
-    return lambda tile, first_sample, last_sample: worker.trace(*tile, first_sample, last_sample)
+    kernel = PerThread(bound)
+    return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
 
 
 def prepare_paths(
@@ -144,15 +141,12 @@ def prepare_paths(
     """Make ready to trace paths; as `prepare`. `max_depth` is how often light is scattered at most."""
     has_alpha = _has_alpha(tables)
 
-    class Worker(threading.local):
-        """The kernel with all that stays, converted once for each thread."""
+    def bound() -> Callable[..., None]:
+        stack = _Scratch().arrays[1]
+        return _TRACE_PATH.bind(*tables, *tree, *lighting, *view, background, has_alpha, max_depth, seed, stack, film)
 
-        def __init__(self) -> None:
-            stack = _Scratch().arrays[1]
-            self.trace = _TRACE_PATH.bind(*tables, *tree, *lighting, *view, background, has_alpha, max_depth, seed, stack, film)
-
-    worker = Worker()
-    return lambda tile, first_sample, last_sample: worker.trace(*tile, first_sample, last_sample)
+    kernel = PerThread(bound)
+    return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
 
 
 def _has_alpha(tables: SceneTables) -> int:

@@ -73,6 +73,8 @@ def render(
     shadows: bool = True,
     antialiasing: str = "multisample",
     shading: str = "fragment",
+    hidden_surfaces: str = "zbuffer",
+    clipping: str = "homogeneous",
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
@@ -108,6 +110,11 @@ def render(
     shading : "fragment" | "vertex" | "flat"
         Where colours are computed (`raster`): at every fragment, from interpolated normals; at the vertices, and interpolated (Gouraud);
         or once for each triangle, with its own normal.
+    hidden_surfaces : "zbuffer" | "painter"
+        How `raster` finds what is in front: by a depth for every sample, or by drawing from back to front, in the order of a tree of
+        planes that splits what overlaps in a cycle (up to 10,000 triangles; beyond, by their centroids, which a message says).
+    clipping : "homogeneous" | "world"
+        Whether `raster` clips after the projection, or before it against the planes of the viewing pyramid.
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
@@ -130,7 +137,8 @@ def render(
     """
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
-        antialiasing=antialiasing, shading=shading, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping, threads=threads,
+        tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -155,7 +163,8 @@ class Renderer:
 
     Parameters
     ----------
-    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, shading, threads, tile_size, aovs,
+    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, shading, hidden_surfaces,
+    clipping, threads, tile_size, aovs,
     default_lights
         As in `render`.
 
@@ -183,6 +192,8 @@ class Renderer:
         shadows: bool = True,
         antialiasing: str = "multisample",
         shading: str = "fragment",
+        hidden_surfaces: str = "zbuffer",
+        clipping: str = "homogeneous",
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
@@ -197,7 +208,11 @@ class Renderer:
         self._multisample = _SAMPLES_AT_ONCE["raster"] if antialiasing == "multisample" and renderer == "raster" else 0
         if shading not in _FREQUENCIES:
             raise UnsupportedError(f"shading must be one of {', '.join(_FREQUENCIES)}, got {shading!r}")
-        self._shading = shading
+        if hidden_surfaces not in ("zbuffer", "painter"):
+            raise UnsupportedError(f'hidden_surfaces must be "zbuffer" or "painter", got {hidden_surfaces!r}')
+        if clipping not in ("homogeneous", "world"):
+            raise UnsupportedError(f'clipping must be "homogeneous" or "world", got {clipping!r}')
+        self._shading, self._hidden_surfaces, self._clipping = shading, hidden_surfaces, clipping
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
         self._aovs = _wanted_aovs(aovs)
@@ -336,10 +351,12 @@ class Renderer:
         seen = view(scene, built.tables, scene.camera, self._width, self._height)
         film = Film(self._width, self._height, self._tile_size)
         light, background = self._lighting(scene, built), _background(scene)
+        notes: list[str] = []
         if is_raster:
             work = pipeline.prepare(
                 built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
                 tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
+                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append,
             )  # fmt: skip
         elif self._renderer == "ray":
             work = driver.prepare(
@@ -350,7 +367,7 @@ class Renderer:
             work = driver.prepare_paths(
                 built.tables, self._accelerator(built), light, seen, background, film.sums, max_depth=self._max_depth, seed=self._seed
             )
-        return _Frame(scene, scene.camera, built, seen, film, work, messages)
+        return _Frame(scene, scene.camera, built, seen, film, work, (*messages, *notes))
 
     def _accelerator(self, built: Built) -> Accelerator:
         """The tree over the scene; the last one while nothing in it has moved."""
@@ -376,7 +393,10 @@ class Renderer:
         values, ids = empty_values(self._width, self._height)
         tables = with_solid_blends(frame.built.tables)
         if self._renderer == "raster":
-            pipeline.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
+            pipeline.draw_channels(
+                tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size,
+                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping,
+            )  # fmt: skip
         else:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
         return channels(self._aovs, values, ids)
@@ -407,6 +427,8 @@ class Renderer:
             "shadows": self._shadows,
             "antialiasing": "multisample" if self._multisample else "supersample",
             "shading": self._shading,
+            "hidden_surfaces": self._hidden_surfaces,
+            "clipping": self._clipping,
             "default_lights": self._default_lights,
             "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
         }

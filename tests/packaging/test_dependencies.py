@@ -9,7 +9,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-_IMPORT_NAMES = {"pillow": "PIL"}
+_IMPORT_NAMES = {"imageio-ffmpeg": "imageio_ffmpeg", "pillow": "PIL"}
 
 
 def _project() -> dict[str, object]:
@@ -37,7 +37,8 @@ def test_what_is_imported_is_asked_for_and_the_reverse() -> None:
     """Mandatory packages are all used; what else is imported belongs to an extra."""
     project = _project()
     mandatory = _import_names(project["dependencies"])  # type: ignore[arg-type]
-    optional = _import_names(project["optional-dependencies"]["formats"])  # type: ignore[index]
+    extras = project["optional-dependencies"]
+    optional = _import_names(extras["formats"]) | _import_names(extras["video"])  # type: ignore[index]
     assert mandatory <= _imported()
     assert _imported() <= mandatory | optional
 

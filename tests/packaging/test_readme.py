@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from limner.image.image import Image
+from limner.render import render
 
 README = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
 
@@ -41,10 +42,12 @@ def test_the_command_lines_work(
 ) -> None:
     """Each with a built-in scene in the model's place, a grey sky, and small."""
     Image(np.full((8, 16, 4), 0.5, dtype=np.float32)).save(tmp_path / "sky.hdr")
+    for name in ("picture", "before", "after"):
+        render("cornell", width=16, height=12).save(tmp_path / f"{name}.png")
     words = shlex.split(line, comments=True)[1:]
-    replaced = {"model.glb": "cornell", "sky.hdr": str(tmp_path / "sky.hdr"), "72": "2"}
+    replaced = {"model.glb": "cornell", "sky.hdr": str(tmp_path / "sky.hdr"), "72": "2", "36": "2"}
     words = [replaced.get(word, word) for word in words]
-    if "-o" in words:
+    if "--width" not in words and words[0] in ("render", "dataset", "turntable"):
         words += ["--width", "16", "--height", "12"]
     done = limner_process(*words)
     assert done.returncode == 0, done.stderr

@@ -188,9 +188,7 @@ def assemble_triangles(
                     ob = _object_point(positions, p + triangles[row, 1])
                     oc = _object_point(positions, p + triangles[row, 2])
                     to_raster = raster_from_object[instance]
-                    n = _clip_in_world(
-                        polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], to_raster, clip_planes
-                    )
+                    n = _clip_in_world(polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], to_raster, clip_planes)
                 else:
                     for i in range(4):
                         polygon[0, i], polygon[1, i], polygon[2, i] = a[i], b[i], c[i]

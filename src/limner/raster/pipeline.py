@@ -2,8 +2,8 @@
 
     vertices ──► clip, snap, cull ──► bins ──► per tile: fill with depth ──► fragments ──► resolve
 
-`_geometry` and `prepare` below are this line. Every stage runs on all threads over ranges of its input; results stand in the order of the input, so the
-picture does not depend on how many there are.
+`_geometry` and `prepare` below are this line. Every stage runs on all threads over ranges of its input; results stand in the order of
+the input, so the picture does not depend on how many there are.
 """
 
 from __future__ import annotations
@@ -272,9 +272,7 @@ def _transform(tables: SceneTables, view: View, threads: int) -> Vertices:
     transformed = np.empty((int(first_vertex[-1]), 4), dtype=np.float32)
     jobs, groups = _jobs(tables, "n_positions", first_vertex)
     run_all(
-        lambda group: _TRANSFORM(
-            tables.meshes, tables.instances, tables.positions, view.raster_from_object, jobs, *group, transformed
-        ),
+        lambda group: _TRANSFORM(tables.meshes, tables.instances, tables.positions, view.raster_from_object, jobs, *group, transformed),
         groups,
         threads,
     )

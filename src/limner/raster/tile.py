@@ -36,7 +36,24 @@ def _sample_point(p: int, window, ox: int, oy: int):
 
 
 @kernel
-def _blend_layer(screen, window, ox, oy, n, camera, scene, lighting, frame, frequency, next_depth, next_seen, last_depth, last_seen, layers, transmittance):
+def _blend_layer(
+    screen,
+    window,
+    ox,
+    oy,
+    n,
+    camera,
+    scene,
+    lighting,
+    frame,
+    frequency,
+    next_depth,
+    next_seen,
+    last_depth,
+    last_seen,
+    layers,
+    transmittance,
+):
     """Put one layer of transparent fragments behind those already there (front to back), and remember how far it went."""
     for p in range(n):
         if next_seen[p] < 0:
@@ -80,7 +97,9 @@ def _leave_empty(window, background, samples: int, film):
 
 
 @kernel
-def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, frequency, background, scratch, film):
+def _supersample(
+    screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, frequency, background, scratch, film
+):
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance = scratch
     n = window[2] * window[3]
@@ -93,7 +112,9 @@ def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blen
         _clear(last_depth, last_seen, _NEAREST_POSSIBLE, n)
         for _ in range(_MAX_LAYERS):
             _clear(next_depth, next_seen, -ONE, n)
-            if not fill_transparent(screen, binned, first, last, window, ox, oy, frame, depth, last_depth, last_seen, next_depth, next_seen):
+            if not fill_transparent(
+                screen, binned, first, last, window, ox, oy, frame, depth, last_depth, last_seen, next_depth, next_seen
+            ):
                 break
             _blend_layer(
                 screen, window, ox, oy, n, camera, scene, lighting, frame, frequency, next_depth, next_seen, last_depth, last_seen, layers,
@@ -120,7 +141,8 @@ def _supersample(screen, binned, first, last, window, ox, oy, farthest, has_blen
 
 @kernel
 def _multisample(
-    screen, binned, first, last, window, sample_places, first_sample, last_sample, farthest, camera, scene, lighting, frame, frequency, background,
+    screen, binned, first, last, window, sample_places, first_sample, last_sample, farthest, camera, scene, lighting, frame,
+    frequency, background,
     depth, seen, film,
 ):  # fmt: skip
     """Some samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
@@ -162,7 +184,8 @@ def _multisample(
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, has_blend, multisample,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, has_blend,
+    multisample,
     frequency, sample_places, background, depth, seen, last_depth, last_seen, next_depth, next_seen, layers, transmittance, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
@@ -191,5 +214,21 @@ def draw_tile(
     for s in range(first_sample, last_sample):
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
-            screen, binned, first, last, window, ox, oy, farthest, has_blend, camera, scene, lighting, frame, frequency, background, scratch, film
+            screen,
+            binned,
+            first,
+            last,
+            window,
+            ox,
+            oy,
+            farthest,
+            has_blend,
+            camera,
+            scene,
+            lighting,
+            frame,
+            frequency,
+            background,
+            scratch,
+            film,
         )

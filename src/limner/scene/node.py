@@ -57,6 +57,10 @@ class Node:
         for name in ("shapes", "lights", "cameras", "children"):
             given = getattr(self, name)
             object.__setattr__(self, name, tuple(given) if isinstance(given, (tuple, list)) else (given,))
+        for name, kind, hint in _HELD:
+            for held in getattr(self, name):
+                if not isinstance(held, kind):
+                    raise SceneError(f"node.{name} of {self.name!r} must be {hint}, got {type(held).__name__}")
 
     def walk(self, hidden: bool = True) -> Iterator[Placed]:
         """Yield this node and all below it, parents first, each with its path and its place; without recursion.
@@ -75,3 +79,12 @@ class Node:
             for index in reversed(range(len(node.children))):
                 child = node.children[index]
                 stack.append((child, f"{path}/{child.name or index}", world_from_object, depth + 1))
+
+
+_HELD = (
+    ("shapes", Shape, "shapes, as in Shape(Sphere(1.0))"),
+    ("lights", Light, "lights"),
+    ("cameras", Camera, "cameras"),
+    ("children", Node, "nodes"),
+)
+"""What a node may hold where, and how to say it."""

@@ -52,6 +52,8 @@ class Scene:
     environment: Environment | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.root, Node):
+            raise SceneError(f"scene.root must be a Node, got {type(self.root).__name__}")
         if self.environment is not None and not isinstance(self.environment, Environment):
             raise SceneError(f"scene.environment must be an Environment, got {type(self.environment).__name__}")
         if isinstance(self.background, str):

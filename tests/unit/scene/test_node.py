@@ -83,3 +83,13 @@ def test_matrices_that_are_not_affine_are_refused():
         Node("lens", np.diag([1.0, 1.0, 1.0, 2.0]))
     with pytest.raises(SceneError, match="finite"):
         Node("lens", np.full((4, 4), np.nan))
+
+
+def test_what_a_node_cannot_hold_is_named() -> None:
+    """A sphere without its Shape is the likely slip; nothing of it waits until something is drawn."""
+    with pytest.raises(SceneError, match=r"^node.shapes of 'ball' must be shapes, as in Shape\(Sphere\(1.0\)\), got Sphere$"):
+        Node("ball", shapes=(Sphere(1.0),))  # type: ignore[arg-type]
+    with pytest.raises(SceneError, match=r"^node\.children of 'world' must be nodes, got int$"):
+        Node("world", children=(3,))  # type: ignore[arg-type]
+    with pytest.raises(SceneError, match=r"^scene\.root must be a Node, got Sphere$"):
+        Scene(Sphere(1.0))  # type: ignore[arg-type]

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from limner.image.image import Image
-from limner.render import render
 
 README = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
 
@@ -43,7 +42,7 @@ def test_the_command_lines_work(
     """Each with a built-in scene in the model's place, a grey sky, and small."""
     Image(np.full((8, 16, 4), 0.5, dtype=np.float32)).save(tmp_path / "sky.hdr")
     for name in ("picture", "before", "after"):
-        render("cornell", width=16, height=12).save(tmp_path / f"{name}.png")
+        limner_process("render", "cornell", "-o", f"{name}.png", "--width", "16", "--height", "12")
     words = shlex.split(line, comments=True)[1:]
     replaced = {"model.glb": "cornell", "sky.hdr": str(tmp_path / "sky.hdr"), "72": "2", "36": "2"}
     words = [replaced.get(word, word) for word in words]

@@ -306,6 +306,10 @@ class Renderer:
         encode: bool,
     ) -> Generator[Any, None, None]:
         """Expose a film up to each of `ends` samples; yield the picture after each, or after the last."""
+        if on_progress is not None and not callable(on_progress):
+            raise SceneError(f"on_progress must be a function of a Progress, got {type(on_progress).__name__}")
+        if cancel is not None and not callable(getattr(cancel, "is_set", None)):
+            raise SceneError(f"cancel must be a threading.Event, got {type(cancel).__name__}")
         meter = Meter(on_progress, "render")
         meter.report(0.0)
         try:

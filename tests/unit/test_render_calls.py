@@ -13,6 +13,7 @@ from staging import SLOW_AS_PYTHON, checkers, grid, lit_from, place, point_light
 
 from limner.aov import CHANNELS
 from limner.errors import LimnerError, LimnerWarning
+from limner.files.load import load
 from limner.image.image import Image
 from limner.linear import transform
 from limner.mesh import primitives
@@ -315,3 +316,16 @@ def test_two_pictures_at_once():
         thread.join()
     for k, pixels in enumerate(expected):
         np.testing.assert_array_equal(found[k], pixels)
+
+
+@pytest.mark.parametrize(("option", "expected"), [("on_progress", "a function of a Progress"), ("cancel", "a threading.Event")])
+def test_what_cannot_be_called_or_asked_is_refused(option, expected):
+    """One line, before anything is drawn."""
+    with pytest.raises(LimnerError, match=f"^{option} must be {expected}, got int$"):
+        render("cornell", width=8, height=8, **{option: 3})
+
+
+def test_load_wants_a_path():
+    """And says what takes arrays."""
+    with pytest.raises(LimnerError, match="needs the path of a file, got int"):
+        load(3)

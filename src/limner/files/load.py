@@ -57,6 +57,8 @@ def load(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> Scene:
     UnsupportedError
         The file may be sound, but is of a kind that is not read; the message says what helps.
     """
+    if not isinstance(path, (str, os.PathLike)):
+        raise UnsupportedError(f"load needs the path of a file, got {type(path).__name__}; render takes meshes and arrays as they are")
     sources = Sources(path, limits)
     notes = Notes()
     data = sources.read_model()

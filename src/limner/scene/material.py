@@ -52,7 +52,7 @@ class Lambert:
     emission : three floats >= 0
         Radiance that the surface itself gives off.
     double_sided : bool
-        False: its back is not drawn.
+        False: the camera does not see its back. Light does: it casts shadows, and is seen in mirrors.
     """
 
     color: Triple = (0.8, 0.8, 0.8)
@@ -137,7 +137,7 @@ class MetallicRoughness:
     unlit : bool
         Show the base colour as it is (KHR_materials_unlit).
     double_sided : bool
-        False: its back is not drawn.
+        False: the camera does not see its back. Light does: it casts shadows, and is seen in mirrors.
     """
 
     base_color: Triple = (1.0, 1.0, 1.0)

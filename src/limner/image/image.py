@@ -13,6 +13,7 @@ Light stays linear here; the curve of the screen is applied where the picture le
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -244,9 +245,9 @@ class Image:
     @staticmethod
     def open(path: str | os.PathLike[str]) -> Image:
         """Read a picture file; the same as `limner.open_image`."""
-        import limner
-
-        return limner.open_image(path)
+        # A face of the reader above: looked up only when it is asked for, since the picture itself knows no files.
+        image: Image = importlib.import_module("..files.open_image", __package__).open_image(path)
+        return image
 
     def _repr_png_(self) -> bytes:
         """The picture as notebooks show it."""

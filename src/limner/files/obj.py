@@ -138,13 +138,13 @@ class _Reader:
 
     # Faces
 
-    def _triangles(self, faces: list[Faces], bad: list[int]) -> _Triangles:
+    def _triangles(self, faces: list[Faces], malformed: list[int]) -> _Triangles:
         lines, corners = [], []
-        n_fans, lost = 0, []
+        n_fans, beyond, lost = 0, [], []
         for group in faces:
             resolved = self._resolve(group)
             good = (resolved[:, :, 0] >= 0).all(axis=1)
-            bad.extend(group.lines[~good].tolist())
+            beyond.extend(group.lines[~good].tolist())
             resolved, kept_lines = (resolved, group.lines) if good.all() else (resolved[good], group.lines[good])
             if not self._finite.all():
                 finite = self._finite[resolved[:, :, 0]].all(axis=1)
@@ -158,14 +158,25 @@ class _Reader:
             n_fans += n_more_fans
             lines.append(np.repeat(kept_lines, cut.shape[1]))
             corners.append(resolved[np.arange(len(resolved))[:, None, None], cut].reshape(-1, 3, 3))
-        self._note_faces(bad, lost, n_fans)
+        self._note_faces(malformed + beyond, lost, n_fans)
         if not sum(map(len, lines)):
-            raise FileFormatError("no face can be read", self._text.path, f"line {self._text.number_of(min(bad + lost))}")
+            raise self._no_face(malformed, beyond, lost)
         if len(lines) == 1:
             return _Triangles(lines[0], corners[0])
         all_lines = np.concatenate(lines)
         order = np.argsort(all_lines, kind="stable")
         return _Triangles(all_lines[order], np.concatenate(corners)[order])
+
+    def _no_face(self, malformed: list[int], beyond: list[int], lost: list[int]) -> FileFormatError:
+        """What is wrong with the first face of a file that has no sound one."""
+        first = min(malformed + beyond + lost)
+        if first in malformed:
+            reason = "the first is not three or more corners of the form v, v/vt, v//vn or v/vt/vn"
+        elif first in beyond:
+            reason = f"the first refers to a vertex that is not there: the file has {len(self._positions)}"
+        else:
+            reason = "the first uses a position that is not finite"
+        return FileFormatError(f"no face can be read; {reason}", self._text.path, f"line {self._text.number_of(first)}")
 
     def _resolve(self, group: Faces) -> Integers:
         """Turn indices from 1, or from behind, into indices from 0; -1 for none or one that does not exist."""

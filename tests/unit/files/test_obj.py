@@ -285,3 +285,21 @@ def test_missing_libraries(tmp_path: Path, library: str) -> None:
     path.write_text(f"mtllib {library}\n" + SQUARE + "usemtl a\nf 1 2 3\n")
     with pytest.warns(LimnerWarning, match="materials of .* are missing"):
         assert load(path).shapes()[0][1].materials[0].name == "a"
+
+
+@pytest.mark.parametrize(
+    ("vertex", "face", "reason"),
+    [
+        ("v 0 1 0", "f 1 2 9", "refers to a vertex that is not there: the file has 3"),
+        ("v 0 1 nan", "f 1 2 3", "uses a position that is not finite"),
+        ("v 0 1 0", "f 1 x 3", "is not three or more corners of the form"),
+    ],
+)
+def test_a_file_without_a_sound_face_says_why(tmp_path, vertex, face, reason):
+    """One line: the file, the line, and what is wrong with its face."""
+    path = tmp_path / "broken.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\n{vertex}\n{face}\n")
+    with pytest.raises(FileFormatError, match=reason) as told:
+        load(path)
+    assert told.value.position == "line 4"
+    assert "\n" not in str(told.value)

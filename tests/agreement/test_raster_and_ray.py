@@ -221,8 +221,17 @@ MODELS = (
     "khronos/VertexColorTest/VertexColorTest.glb",
     "khronos/NormalTangentTest/NormalTangentTest.glb",
     "khronos/CesiumMilkTruck/CesiumMilkTruck.glb",
+    "khronos/BoxTextured/glTF-Binary/BoxTextured.glb",
+    "khronos/TextureTransformTest/TextureTransformTest.gltf",
+    "khronos/MetalRoughSpheresNoTextures/MetalRoughSpheresNoTextures.glb",
+    "meshes/cow.obj",
+    "meshes/fandisk.obj",
+    "meshes/nefertiti.obj",
+    "meshes/rocker-arm.obj",
     "meshes/spot.obj",
     "meshes/stanford-bunny.obj",
+    "meshes/suzanne.obj",
+    "meshes/teapot.obj",
 )
 
 

@@ -244,6 +244,4 @@ def test_models(name):
     if not path.exists():
         pytest.skip(f"the optional model {name} is not there")
     raster, ray = seen_by_both(load(path), 120, 90, aovs=CHANNELS)
-    if "blend" in {getattr(m, "alpha_mode", "") for _, s in load(path).shapes() for m in s.materials}:
-        pytest.skip("blended: compared elsewhere")
     _agree(raster, ray, at_edges=0.03)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import FileFormatError, UnsupportedError
 from .limits import Limits
 
-__all__ = ["Exr", "read_exr"]
+__all__ = ["Exr", "opened", "read_exr"]
 
 _ORDERS = ("RGBA", "XYZW", "UV")
 _IDS = ("instance_id", "material_id", "triangle_id")
@@ -41,7 +41,7 @@ def read_exr(path: str | os.PathLike[str], limits: Limits) -> Exr:
         There is no colour in it.
     """
     _check_size(path, limits)
-    with _opened(path) as file:
+    with opened(path) as file:
         header = dict(file.parts[0].header)
         several = len(file.parts) > 1
         layers: dict[str, dict[str, NDArray[Any]]] = {}
@@ -62,7 +62,7 @@ def read_exr(path: str | os.PathLike[str], limits: Limits) -> Exr:
 
 
 def _check_size(path: str | os.PathLike[str], limits: Limits) -> None:
-    with _opened(path, header_only=True) as file:
+    with opened(path, header_only=True) as file:
         for part in file.parts:
             low, high = (np.asarray(corner, dtype=np.int64) for corner in part.header["dataWindow"])
             width, height = (int(size) for size in high - low + 1)
@@ -70,7 +70,8 @@ def _check_size(path: str | os.PathLike[str], limits: Limits) -> None:
                 raise FileFormatError(f"has {width} x {height} pixels, more than the limits allow (max_texture_pixels) or none", path)
 
 
-def _opened(path: str | os.PathLike[str], *, header_only: bool = False) -> Any:
+def opened(path: str | os.PathLike[str], *, header_only: bool = False) -> Any:
+    """An open EXR file of at least one part; the library raises, or finds no part, where it is broken."""
     import OpenEXR
 
     try:

@@ -10,14 +10,13 @@ import os
 import re
 import warnings
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..color.decode_table import SRGB_DECODE
 from ..errors import FileFormatError, LimnerWarning, UnsupportedError
-from . import rgbe
+from . import exr, rgbe
 from .limits import DEFAULT, Limits
 from .pictures import PictureError, picture_format, read_picture
 from .sources import Sources
@@ -124,30 +123,16 @@ def _decode_pfm(data: bytes, path: str | os.PathLike[str], limits: Limits) -> ND
 
 
 def _read_exr(path: str | os.PathLike[str], limits: Limits) -> NDArray[np.float32]:
-    with _exr_file(path, header_only=True) as file:
+    with exr.opened(path, header_only=True) as file:
         low, high = (np.asarray(corner, dtype=np.int64) for corner in file.header()["dataWindow"])
     width, height = (int(size) for size in high - low + 1)
     _check_size(width, height, path, limits)
-    with _exr_file(path) as file:
+    with exr.opened(path) as file:
         channels = file.parts[0].channels
         planes = [np.array(channels[name].pixels) for name in _color_channels(tuple(channels), path)]
     if any(plane.shape != (height, width) for plane in planes):
         raise UnsupportedError(f"{os.fspath(path)}: channels of fewer pixels than the picture are not read")
     return np.stack(planes * (1 if len(planes) == 3 else 3), axis=-1).astype(np.float32)
-
-
-def _exr_file(path: str | os.PathLike[str], *, header_only: bool = False) -> Any:
-    """An open EXR file of at least one part; the library raises, or finds no part, where it is broken."""
-    import OpenEXR
-
-    try:
-        file = OpenEXR.File(os.fspath(path), separate_channels=True, header_only=header_only)
-    except Exception as error:  # a decoder on a foreign file may raise anything
-        reason = " ".join(str(error).split())[:160] or type(error).__name__
-        raise FileFormatError(f"is no readable EXR picture: {reason}", path) from None
-    if not file.parts:
-        raise FileFormatError("is no readable EXR picture: it is broken or cut off", path)
-    return file
 
 
 def _color_channels(names: tuple[str, ...], path: str | os.PathLike[str]) -> tuple[str, ...]:

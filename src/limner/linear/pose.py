@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
+from .quaternion import from_matrix
 from .transform import compose_trs
 
-__all__ = ["inverse_rigid", "quaternion_from_rotation", "rigid", "rotation_from_quaternion", "turned"]
+__all__ = ["quaternion_from_rotation", "rigid", "rotation_from_quaternion", "turned"]
 
 Matrix = NDArray[np.float64]
 
@@ -69,14 +70,6 @@ def _rotation(axes: Matrix, name: str) -> Matrix:
     return np.asarray(left @ right)
 
 
-def inverse_rigid(matrix: Matrix) -> Matrix:
-    """Invert a rotation with a translation: transpose, and move back. **Source**: FoCG 6.4."""
-    made = np.eye(4)
-    made[:3, :3] = matrix[:3, :3].T
-    made[:3, 3] = -matrix[:3, :3].T @ matrix[:3, 3]
-    return made
-
-
 def turned(world_from_camera: Matrix) -> Matrix:
     """Turn a camera's own axes by half a turn about its x: y up becomes y down, and -z forward z forward; its own inverse."""
     return world_from_camera * (1.0, -1.0, -1.0, 1.0)
@@ -91,23 +84,9 @@ def rotation_from_quaternion(wxyz: ArrayLike, name: str) -> Matrix:
 
 
 def quaternion_from_rotation(rotation: Matrix) -> Matrix:
-    """(4,) unit quaternion (w, x, y, z) of a rotation, its first number that is not zero positive.
-
-    **Source**: Shepperd, *Quaternion from Rotation Matrix*, Journal of Guidance and Control 1(3), 1978: divide by the greatest of
-    the four numbers, which is at least 1/2.
-    """
-    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
-    # 4 times the quaternion times its own numbers: rows for w, x, y, z.
-    squares = np.array(
-        [
-            [1.0 + a + e + i, h - f, c - g, d - b],
-            [h - f, 1.0 + a - e - i, b + d, c + g],
-            [c - g, b + d, 1.0 - a + e - i, f + h],
-            [d - b, c + g, f + h, 1.0 - a - e + i],
-        ]
-    )
-    q = squares[int(np.argmax(np.diag(squares)))]
-    q = q / np.linalg.norm(q)
+    """(4,) unit quaternion (w, x, y, z) of a rotation, its first number that is not zero positive."""
+    x, y, z, w = from_matrix(rotation)
+    q = np.array([w, x, y, z])
     return np.asarray(q * np.sign(q[np.flatnonzero(q)[0]]))
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self, TypeAlias
@@ -26,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError, UnsupportedError
 from ..linear import pose, transform
 from ..linear.explain import Steps, point_to_pixel
+from ..linear.inverse import inverse_rigid
 from ..linear.project import Lens, intrinsics, lens_from_intrinsics, pixels_from_world, world_from_pixels
 from ..linear.projection import camera_from_world
 from ._values import finite, matrix4, positive, triple
@@ -65,7 +67,7 @@ def _identity() -> NDArray[np.float64]:
     return np.eye(4)
 
 
-class _Placed:
+class _Placed(ABC):
     """What both kinds of camera share: a place in the world, and a window that may lie off the gaze."""
 
     world_from_camera: NDArray[np.float64]
@@ -137,9 +139,9 @@ class _Placed:
         """Return a copy with the given fields changed."""
         return dataclasses.replace(self, **changes)  # type: ignore[type-var]
 
+    @abstractmethod
     def lens(self) -> Lens:
         """What the camera shows, whatever the number of pixels; each kind has its own."""
-        raise NotImplementedError
 
     def intrinsics(self, width: int, height: int) -> NDArray[np.float64]:
         """Return K for a picture of `width` x `height` pixels, centres at integers; see `limner.linear.project.intrinsics`.
@@ -233,7 +235,7 @@ class _Placed:
 
         Of a camera with parallel projection, K holds pixels per metre.
         """
-        return self.intrinsics(width, height), pose.inverse_rigid(pose.turned(self.to_opengl()))
+        return self.intrinsics(width, height), inverse_rigid(pose.turned(self.to_opengl()))
 
     def to_opengl(self) -> NDArray[np.float64]:
         """Say where it stands in OpenGL's words (and glTF's, Blender's, NeRF's): (4, 4) camera_to_world, looking along -z."""
@@ -328,7 +330,7 @@ class PerspectiveCamera(_Placed):
 
         Lens distortion has no place here: undistort the pictures, or compare with `cv2.projectPoints` without coefficients.
         """
-        world_from_camera = pose.turned(pose.inverse_rigid(pose.rigid(world_to_camera, "world_to_camera")))
+        world_from_camera = pose.turned(inverse_rigid(pose.rigid(world_to_camera, "world_to_camera")))
         return cls(world_from_camera=world_from_camera, **{**_lens_fields(lens_from_intrinsics(K, width, height)), **fields})
 
     @classmethod

@@ -39,6 +39,20 @@ class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
 class _DoorLibrary(JITCodeLibrary):  # type: ignore[misc]
     """Everything below a door, optimised as a whole, never run in this process's Numba."""
 
+    entry_name: str | None = None
+
+    def _optimize_final_module(self) -> None:
+        if self.entry_name is None:
+            super()._optimize_final_module()
+            return
+        # Nobody else calls what stands below the door: only so may LLVM drop the arguments that a kernel passes on but never reads.
+        # Measured: the raster renderer took 1.7 times as long without.
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.name != self.entry_name:
+                function.linkage = "internal"
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
     def _finalize_final_module(self) -> None:
         self._finalized = True
 
@@ -107,6 +121,7 @@ def compile_door(function: Any, signature: Signature) -> tuple[bytes, str]:
     dispatcher = numba.njit(pipeline_class=_DoorPipeline, **_OPTIONS)(python_function)
     dispatcher.compile(types.void(*(_numba_type(kind) for kind in signature)))
     (result,) = dispatcher.overloads.values()
+    result.library.entry_name = result.fndesc.llvm_func_name
     with global_compiler_lock:
         result.library.finalize()
         code = result.library.codegen._tm.emit_object(result.library._final_module)

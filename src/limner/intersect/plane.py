@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ..kernel.lanes import where
 from ..kernel.vec import Vec3
 
 __all__ = ["intersect_plane"]
@@ -16,4 +17,4 @@ _INFINITY = np.float32(np.inf)
 def intersect_plane(o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32) -> np.float32:
     """The t in (t_min, t_max) at which the ray meets y = 0; a parallel ray misses."""
     t = -o.y / d.y
-    return t if t_min < t and t < t_max else _INFINITY
+    return where((t_min < t) & (t < t_max), t, _INFINITY)

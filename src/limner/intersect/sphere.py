@@ -6,6 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
+from ..kernel.lanes import where
 from ..kernel.vec import ZERO, Vec3, dot
 
 __all__ = ["intersect_sphere"]
@@ -25,12 +26,8 @@ def intersect_sphere(o: Vec3, d: Vec3, radius: np.float32, t_min: np.float32, t_
     t_closest = -dot(o, d) / a
     closest = o + d * t_closest
     squared = radius * radius - dot(closest, closest)
-    if not squared >= ZERO:
-        return _INFINITY
-    half = sqrt(squared / a)
+    meets = squared >= ZERO
+    half = sqrt(where(meets, squared, ZERO) / a)
     near, far = t_closest - half, t_closest + half
-    if t_min < near and near < t_max:
-        return near
-    if t_min < far and far < t_max:
-        return far
-    return _INFINITY
+    t = where((t_min < near) & (near < t_max), near, where((t_min < far) & (far < t_max), far, _INFINITY))
+    return where(meets, t, _INFINITY)

@@ -1,85 +1,142 @@
-"""How Numba holds eight lanes: an LLVM vector, its operations lowered to single vector instructions without fast-math flags."""
+"""How Numba holds eight lanes: LLVM vectors, their operations lowered to vector instructions without fast-math flags.
+
+A number beside lanes is cast to lanes (`lower_cast`), also where the branches of an `if` leave one or the other in a variable.
+"""
 
 from __future__ import annotations
 
+import builtins
 import operator
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
 __all__ = [
-    "count_set", "first_set", "floor8", "lane", "load8", "mask_equal", "mask_greater", "mask_greater_equal", "mask_less",
-    "mask_less_equal", "max8", "min8", "reduce_max8", "reduce_min8", "register", "select8", "splat8", "splat8_int", "sqrt8",
-    "store8", "to_float8", "to_int8",
+    "BOOL_LANES", "FLOAT_LANES", "INT_LANES", "all_of", "any_of", "at", "count_set", "first_set", "four_bytes", "highest", "int32",
+    "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "register", "splat8", "splat8_int", "spread", "spread_value",
+    "store8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
-_I32 = ir.IntType(32)
+_I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
 _EIGHT = 8
 
 
 class _LaneType(types.Type):  # type: ignore[misc]
+    """Eight numbers of one kind; `from_` are the kinds of number that become such lanes by themselves."""
+
+    from_: tuple[Any, ...] = ()
+
     def __init__(self, name: str, element: types.Type, llvm_element: ir.Type) -> None:
         self.element, self.vector = element, ir.VectorType(llvm_element, _EIGHT)
         super().__init__(name=name)
 
-    @property
-    def is_float(self) -> bool:
-        return self.element is types.float32
+    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
+        return Conversion.safe if isinstance(other, self.from_) else None
+
+    def unify(self, typingctx: Any, other: Any) -> Any:
+        return self if isinstance(other, self.from_) else None
 
 
 class _FloatLanes(_LaneType):
-    pass
+    from_ = (types.Float, types.Integer)
 
 
 class _IntLanes(_LaneType):
-    pass
+    from_ = (types.Integer,)
 
 
-_FLOATS = _FloatLanes("f32x8", types.float32, ir.FloatType())
-_INTS = _IntLanes("i32x8", types.int32, _I32)
-_KINDS = (_FLOATS, _INTS)
+class _BoolLanes(_LaneType):
+    from_ = (types.Boolean,)
+
+
+FLOAT_LANES = _FloatLanes("f32x8", types.float32, ir.FloatType())
+INT_LANES = _IntLanes("i32x8", types.int32, _I32)
+LONG_LANES = _IntLanes("i64x8", types.int64, _I64)
+BOOL_LANES = _BoolLanes("bool8", types.boolean, _I1)
+_NUMBERS = (FLOAT_LANES, INT_LANES, LONG_LANES)
 
 
 @register_model(_FloatLanes)
 @register_model(_IntLanes)
+@register_model(_BoolLanes)
 class _LaneModel(models.PrimitiveModel):  # type: ignore[misc]
     def __init__(self, manager: Any, fe_type: _LaneType) -> None:
         super().__init__(manager, fe_type, fe_type.vector)
+
+
+# --- from one to eight ----------------------------------------------------------------------------------------------------
+
+
+def spread_value(builder: Any, kind: _LaneType, value: Any) -> Any:
+    """Eight times an LLVM value of the lanes' own element."""
+    first = builder.insert_element(ir.Constant(kind.vector, ir.Undefined), value, _I32(0))
+    return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(_I32, _EIGHT), [0] * _EIGHT))
+
+
+def _cast_number(context: Any, builder: Any, fromty: Any, toty: Any, value: Any) -> Any:
+    return spread_value(builder, toty, context.cast(builder, value, types.unliteral(fromty), toty.element))
+
+
+for _lanes in (_FloatLanes, _IntLanes, _BoolLanes):
+    for _number in _lanes.from_:
+        lower_cast(_number, _lanes)(_cast_number)
+
+
+def _lanes_for(a: Any, b: Any) -> _LaneType | None:
+    """The lanes that an operation on a and b yields: one of them is lanes, the other such lanes too or a number that becomes them."""
+    for kind, other in ((a, b), (b, a)):
+        if isinstance(kind, (_FloatLanes, _IntLanes)) and (other == kind or isinstance(other, kind.from_)):
+            return kind
+    return None
+
+
+def _scalar_for(typingctx: Any, a: Any, b: Any) -> Any:
+    a, b = types.unliteral(a), types.unliteral(b)
+    return a if a == b else typingctx.unify_pairs(a, b)
 
 
 # --- operators ------------------------------------------------------------------------------------------------------------
 
 _FLOAT_OPERATORS = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 _INT_OPERATORS = {
-    operator.add: "add", operator.sub: "sub", operator.mul: "mul",
-    operator.and_: "and_", operator.or_: "or_", operator.xor: "xor",
+    operator.add: "add", operator.sub: "sub", operator.mul: "mul", operator.and_: "and_", operator.or_: "or_", operator.xor: "xor",
+    operator.lshift: "shl", operator.rshift: "ashr",
 }  # fmt: skip
+_BOOL_OPERATORS = {operator.and_: "and_", operator.or_: "or_", operator.xor: "xor"}
+_COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "==", operator.ne: "!="}
 
 
-def register(float_class: type, int_class: type) -> None:
-    """Teach Numba the operators of both lane types; their classes are names in annotations only and cannot be called."""
+def register() -> None:
+    """Teach Numba the operators of the lane types; their classes are names in annotations only and cannot be called."""
     for op in {**_FLOAT_OPERATORS, **_INT_OPERATORS}:
         _register_typing(op)
-    for table, lanes in ((_FLOAT_OPERATORS, _FloatLanes), (_INT_OPERATORS, _IntLanes)):
+    for table, lanes in ((_FLOAT_OPERATORS, _FloatLanes), (_INT_OPERATORS, _IntLanes), (_BOOL_OPERATORS, _BoolLanes)):
         for op, instruction in table.items():
             lower_builtin(op, lanes, lanes)(_binary(instruction))
-    _register_negation()
+    for op, sign in _COMPARISONS.items():
+        _register_comparison(op, sign)
+    for function, sign in ((builtins.max, ">"), (builtins.min, "<")):
+        _register_extreme(function, sign)
+    _register_unary()
 
 
 def _register_typing(op: Any) -> None:
     @infer_global(op)
     class _Typing(AbstractTemplate):  # type: ignore[misc]
         def generic(self, args: Any, kws: Any) -> Any:
-            fits = len(args) == 2 and args[0] == args[1]
-            known = (
-                (args[0] == _FLOATS and op in _FLOAT_OPERATORS) or (args[0] == _INTS and op in _INT_OPERATORS)
-                if fits
-                else False
-            )
-            return signature(args[0], *args) if known else None
+            if len(args) != 2:
+                return None
+            if BOOL_LANES in args and op in _BOOL_OPERATORS:
+                fits = all(isinstance(arg, (_BoolLanes, types.Boolean)) for arg in args)
+                return signature(BOOL_LANES, BOOL_LANES, BOOL_LANES) if fits else None
+            kind = _lanes_for(*args)
+            table = _FLOAT_OPERATORS if kind == FLOAT_LANES else _INT_OPERATORS
+            return signature(kind, kind, kind) if kind is not None and op in table else None
 
 
 def _binary(instruction: str) -> Any:
@@ -89,11 +146,53 @@ def _binary(instruction: str) -> Any:
     return lower
 
 
-def _register_negation() -> None:
-    @infer_global(operator.neg)
+def _compare(builder: Any, sign: str, kind: _LaneType, a: Any, b: Any) -> Any:
+    if isinstance(kind, _IntLanes):
+        return builder.icmp_signed(sign, a, b)
+    return builder.fcmp_unordered(sign, a, b) if sign == "!=" else builder.fcmp_ordered(sign, a, b)
+
+
+def _register_comparison(op: Any, sign: str) -> None:
+    @infer_global(op)
     class _Typing(AbstractTemplate):  # type: ignore[misc]
         def generic(self, args: Any, kws: Any) -> Any:
-            return signature(args[0], *args) if len(args) == 1 and args[0] in _KINDS else None
+            kind = _lanes_for(*args) if len(args) == 2 else None
+            return signature(BOOL_LANES, kind, kind) if kind is not None else None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _compare(builder, sign, sig.args[0], *args)
+
+    for lanes in (_FloatLanes, _IntLanes):
+        lower_builtin(op, lanes, lanes)(lower)
+
+
+def _register_extreme(function: Any, sign: str) -> None:
+    """`max` and `min`, as Python has them: the second where it is greater (less), else the first."""
+
+    @infer_global(function)
+    class _Typing(AbstractTemplate):  # type: ignore[misc]
+        def generic(self, args: Any, kws: Any) -> Any:
+            kind = _lanes_for(*args) if len(args) == 2 else None
+            return signature(kind, kind, kind) if kind is not None else None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        a, b = args
+        return builder.select(_compare(builder, sign, sig.args[0], b, a), b, a)
+
+    for lanes in (_FloatLanes, _IntLanes):
+        lower_builtin(function, lanes, lanes)(lower)
+
+
+def _register_unary() -> None:
+    def typing_of(function: Any, *kinds: Any) -> None:
+        @infer_global(function)
+        class _Typing(AbstractTemplate):  # type: ignore[misc]
+            def generic(self, args: Any, kws: Any) -> Any:
+                return signature(args[0], *args) if len(args) == 1 and args[0] in kinds else None
+
+    typing_of(operator.neg, *_NUMBERS)
+    typing_of(builtins.abs, FLOAT_LANES)
+    typing_of(operator.invert, BOOL_LANES)
 
     @lower_builtin(operator.neg, _FloatLanes)
     def negate_floats(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -103,13 +202,251 @@ def _register_negation() -> None:
     def negate_ints(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.neg(args[0])
 
+    @lower_builtin(builtins.abs, _FloatLanes)
+    def absolute(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return vector_call(builder, "llvm.fabs.v8f32", args)
+
+    @lower_builtin(operator.invert, _BoolLanes)
+    def invert(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.not_(args[0])
+
+
+def vector_call(builder: Any, name: str, args: Any) -> Any:
+    """Call an LLVM function of float lanes that yields float lanes."""
+    function_type = ir.FunctionType(FLOAT_LANES.vector, [FLOAT_LANES.vector] * len(args))
+    return builder.call(cgutils.get_or_insert_function(builder.module, function_type, name), args)
+
+
+# --- choosing -------------------------------------------------------------------------------------------------------------
+
+
+def _chosen(context: Any, builder: Any, kind: Any, condition: Any, a: Any, b: Any) -> Any:
+    """`select`, field by field where the values are structs."""
+    fields = getattr(kind, "llvm_fields", None)
+    if fields is None:
+        return builder.select(condition, a, b)
+    made = ir.Constant(context.get_value_type(kind), ir.Undefined)
+    for k in range(fields):
+        part = builder.select(condition, builder.extract_value(a, k), builder.extract_value(b, k))
+        made = builder.insert_value(made, part, k)
+    return made
+
+
+@intrinsic  # type: ignore[misc]
+def where(typingctx: Any, condition: Any, a: Any, b: Any) -> Any:
+    """a where the condition holds, b elsewhere: of one or of eight. Both are computed."""
+    kind = _scalar_for(typingctx, a, b)
+    if kind is None or not isinstance(condition, (types.Boolean, _BoolLanes)):
+        return None
+    if isinstance(condition, _BoolLanes):
+        kind = _eightfold(kind)
+        if kind is None:
+            return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _chosen(context, builder, sig.return_type, *args)
+
+    return kind(condition, kind, kind), lower
+
+
+def _eightfold(kind: Any) -> Any:
+    """The lanes of a kind of value."""
+    if isinstance(kind, types.Boolean):
+        return BOOL_LANES
+    if isinstance(kind, types.Float):
+        return FLOAT_LANES
+    if isinstance(kind, types.Integer):
+        return INT_LANES
+    return getattr(kind, "eightfold", kind)
+
+
+@intrinsic  # type: ignore[misc]
+def spread(typingctx: Any, value: Any, like: Any) -> Any:
+    """A number, as one or eight of it as `like` is."""
+    value = types.unliteral(value)
+    kind = _eightfold(value) if isinstance(like, _LaneType) else value
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.cast(builder, args[0], sig.args[0], sig.return_type)
+
+    return kind(value, like), lower
+
+
+def _splat(kind: _LaneType, description: str) -> Any:
+    def build(typingctx: Any, x: Any) -> Any:
+        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return spread_value(builder, kind, args[0])
+
+        return (kind(kind.element), lower) if isinstance(x, types.Number) else None
+
+    build.__doc__ = description
+    return intrinsic(build)
+
+
+splat8 = _splat(FLOAT_LANES, "Eight times the float x.")
+splat8_int = _splat(INT_LANES, "Eight times the integer x.")
+
+
+@intrinsic  # type: ignore[misc]
+def lane(typingctx: Any, v: Any, i: Any) -> Any:
+    """One lane, 0 <= i < 8."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], args[1])
+
+    return (v.element(v, types.int32), lower) if isinstance(v, _LaneType) and isinstance(i, types.Integer) else None
+
+
+# --- conditions -----------------------------------------------------------------------------------------------------------
+
+
+def _condition(of_mask: Callable[[Any, Any], Any], description: str) -> Any:
+    def build(typingctx: Any, condition: Any) -> Any:
+        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return of_mask(builder, builder.bitcast(args[0], _I8)) if condition == BOOL_LANES else args[0]
+
+        return (types.boolean(condition), lower) if isinstance(condition, (types.Boolean, _BoolLanes)) else None
+
+    build.__doc__ = description
+    return intrinsic(build)
+
+
+any_of = _condition(
+    lambda builder, mask: builder.icmp_unsigned("!=", mask, _I8(0)), "Whether a condition holds for the one, or for any of eight."
+)
+all_of = _condition(
+    lambda builder, mask: builder.icmp_unsigned("==", mask, _I8(255)), "Whether a condition holds for the one, or for all of eight."
+)
+
+
+@intrinsic  # type: ignore[misc]
+def mask_of(typingctx: Any, condition: Any) -> Any:
+    """The lanes where a condition holds as an integer: bit k tells of lane k."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.zext(builder.bitcast(args[0], _I8), _I32)
+
+    return (types.int32(condition), lower) if condition == BOOL_LANES else None
+
+
+@intrinsic  # type: ignore[misc]
+def lanes_of(typingctx: Any, mask: Any) -> Any:
+    """The condition that holds in the lanes whose bit is set."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.bitcast(builder.trunc(args[0], _I8), BOOL_LANES.vector)
+
+    return (BOOL_LANES(types.int32), lower) if isinstance(mask, types.Integer) else None
+
+
+def _bit_count(lowering: Any, description: str) -> Any:
+    def build(typingctx: Any, mask: Any) -> Any:
+        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            return lowering(builder, args[0])
+
+        return (types.int32(types.int32), lower) if isinstance(mask, types.Integer) else None
+
+    build.__doc__ = description
+    return intrinsic(build)
+
+
+first_set = _bit_count(lambda builder, x: builder.cttz(x, _I1(0)), "The number of the lowest lane of a mask; 32 if it is empty.")
+count_set = _bit_count(lambda builder, x: builder.ctpop(x), "How many lanes a mask has.")
+
+
+# --- numbers --------------------------------------------------------------------------------------------------------------
+
+
+def _reduction(sign: str, description: str) -> Any:
+    def build(typingctx: Any, v: Any) -> Any:
+        if isinstance(v, types.Number):
+            v = types.unliteral(v)
+            return v(v), lambda context, builder, sig, args: args[0]
+
+        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            values, width = args[0], _EIGHT
+            while width > 1:
+                width //= 2
+                low, high = (
+                    builder.shuffle_vector(values, values, ir.Constant(ir.VectorType(_I32, width), list(range(at, at + width))))
+                    for at in (0, width)
+                )
+                values = builder.select(_compare(builder, sign, v, low, high), low, high)
+            return builder.extract_element(values, _I32(0))
+
+        return (v.element(v), lower) if v in _NUMBERS else None
+
+    build.__doc__ = description
+    return intrinsic(build)
+
+
+lowest = _reduction("<", "The number itself, or the least of eight (of lanes without NaN).")
+highest = _reduction(">", "The number itself, or the greatest of eight (of lanes without NaN).")
+
+
+@intrinsic  # type: ignore[misc]
+def int32(typingctx: Any, a: Any) -> Any:
+    """A number, which must fit, as int32, towards zero; integers lose their upper bits."""
+    if isinstance(a, types.Number):
+        a = types.unliteral(a)
+        return types.int32(a), lambda context, builder, sig, args: context.cast(builder, args[0], a, types.int32)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fptosi(args[0], INT_LANES.vector) if a == FLOAT_LANES else args[0]
+
+    return (INT_LANES(a), lower) if a in (FLOAT_LANES, INT_LANES) else None
+
+
+@intrinsic  # type: ignore[misc]
+def long8(typingctx: Any, a: Any) -> Any:
+    """Eight int32 as eight int64."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.sext(args[0], LONG_LANES.vector)
+
+    return (LONG_LANES(INT_LANES), lower) if a == INT_LANES else None
+
+
+@intrinsic  # type: ignore[misc]
+def to_float(typingctx: Any, a: Any) -> Any:
+    """The nearest float32 of an integer."""
+    if isinstance(a, types.Number):
+        a = types.unliteral(a)
+        return types.float32(a), lambda context, builder, sig, args: context.cast(builder, args[0], a, types.float32)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.sitofp(args[0], FLOAT_LANES.vector)
+
+    return (FLOAT_LANES(INT_LANES), lower) if a == INT_LANES else None
+
+
+@intrinsic  # type: ignore[misc]
+def to_int(typingctx: Any, a: Any) -> Any:
+    """The integer towards zero; -2^31 for NaN and for what an int32 cannot hold."""
+    if not (isinstance(a, types.Float) or a == FLOAT_LANES):
+        return None
+    eight = a == FLOAT_LANES
+    floats, ints = (FLOAT_LANES.vector, INT_LANES.vector) if eight else (ir.FloatType(), _I32)
+
+    def constant(value: float) -> Any:
+        return ir.Constant(floats, [value] * _EIGHT if eight else value)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        low, high = constant(-(2.0**31)), constant(2.0**31)
+        fits = builder.and_(builder.fcmp_ordered(">=", args[0], low), builder.fcmp_ordered("<", args[0], high))
+        # fptosi of what does not fit is poison in LLVM: choose a number that fits before the conversion.
+        found = builder.fptosi(builder.select(fits, args[0], low), ints)
+        return found if eight else builder.sext(found, _I64)
+
+    return (INT_LANES(FLOAT_LANES) if eight else types.int64(types.float32)), lower
+
 
 # --- memory ---------------------------------------------------------------------------------------------------------------
 
 
-def _lanes_of(array: Any) -> _LaneType | None:
+def _lanes_in(array: Any) -> _LaneType | None:
     if isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C":
-        for kind in _KINDS:
+        for kind in (FLOAT_LANES, INT_LANES):
             if array.dtype == kind.element:
                 return kind
     return None
@@ -124,7 +461,7 @@ def _address(context: Any, builder: Any, array_type: Any, array: Any, offset: An
 @intrinsic  # type: ignore[misc]
 def load8(typingctx: Any, array: Any, offset: Any) -> Any:
     """Eight neighbours of a contiguous 1D float32 or int32 array, from `offset` on; it need not be aligned."""
-    kind = _lanes_of(array)
+    kind = _lanes_in(array)
     if kind is None or not isinstance(offset, types.Integer):
         return None
 
@@ -139,7 +476,7 @@ def load8(typingctx: Any, array: Any, offset: Any) -> Any:
 @intrinsic  # type: ignore[misc]
 def store8(typingctx: Any, array: Any, offset: Any, v: Any) -> Any:
     """Write eight lanes to a contiguous 1D array of their kind, from `offset` on."""
-    kind = _lanes_of(array)
+    kind = _lanes_in(array)
     if kind is None or v != kind or not array.mutable or not isinstance(offset, types.Integer):
         return None
 
@@ -150,165 +487,98 @@ def store8(typingctx: Any, array: Any, offset: Any, v: Any) -> Any:
     return types.void(array, types.intp, kind), lower
 
 
-# --- lanes ----------------------------------------------------------------------------------------------------------------
+@intrinsic  # type: ignore[misc]
+def put(typingctx: Any, array: Any, index: Any, v: Any) -> Any:
+    """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
+    kind = _lanes_in(array)
+    if kind is None or v != kind or index != INT_LANES or not array.mutable:
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        for k in range(_EIGHT):
+            place = builder.gep(data, [builder.sext(builder.extract_element(args[1], _I32(k)), _I64)])
+            builder.store(builder.extract_element(args[2], _I32(k)), place)
+        return context.get_dummy_value()
+
+    return types.void(array, index, v), lower
 
 
-def _splat(kind: _LaneType, description: str) -> Any:
-    def build(typingctx: Any, x: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            first = builder.insert_element(ir.Constant(kind.vector, ir.Undefined), args[0], _I32(0))
-            return builder.shuffle_vector(first, first, ir.Constant(ir.VectorType(_I32, _EIGHT), [0] * _EIGHT))
-
-        return (kind(kind.element), lower) if isinstance(x, types.Number) else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-splat8 = _splat(_FLOATS, "Eight times the float x.")
-splat8_int = _splat(_INTS, "Eight times the integer x.")
+def _element(builder: Any, pointer: Any, array: Any) -> Any:
+    """Load an array's element; bytes become int32."""
+    value = builder.load(pointer)
+    return builder.zext(value, _I32) if array.dtype == types.uint8 else value
 
 
 @intrinsic  # type: ignore[misc]
-def lane(typingctx: Any, v: Any, i: Any) -> Any:
-    """One lane, 0 <= i < 8."""
+def at(typingctx: Any, array: Any, index: Any) -> Any:
+    """The element of a contiguous array at an index, or the eight at eight.
+
+    `index` is an integer or lanes, or a tuple of them, one for each dimension; it must lie within. Bytes come as integers.
+    """
+    parts = tuple(index) if isinstance(index, types.BaseTuple) else (index,)
+    fits = isinstance(array, types.Array) and array.layout == "C" and array.ndim == len(parts)
+    if not fits or not all(isinstance(part, (types.Integer, _IntLanes)) for part in parts):
+        return None
+    single = types.int32 if array.dtype == types.uint8 else array.dtype
+    eight = any(isinstance(part, _IntLanes) for part in parts)
+    kind = _eightfold(single) if eight else single
+    parts = tuple(types.unliteral(part) for part in parts)
+    wanted = types.Tuple(parts) if isinstance(index, types.BaseTuple) else parts[0]
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.extract_element(args[0], args[1])
+        view = context.make_array(sig.args[0])(context, builder, args[0])
+        shape = cgutils.unpack_tuple(builder, view.shape)
+        found = [args[1]] if len(parts) == 1 and not isinstance(index, types.BaseTuple) else cgutils.unpack_tuple(builder, args[1])
+        one: Any = _I64(0)
+        lanes: Any = None
+        for dimension, (part, value) in enumerate(zip(parts, found, strict=True)):
+            one = builder.mul(one, shape[dimension])
+            if lanes is not None:
+                step = spread_value(builder, INT_LANES, builder.trunc(shape[dimension], _I32))
+                lanes = builder.mul(lanes, step)
+            if isinstance(part, _IntLanes):
+                lanes = value if lanes is None else builder.add(lanes, value)
+            else:
+                one = builder.add(one, context.cast(builder, value, part, types.int64))
+        base = builder.gep(view.data, [one], inbounds=False)
+        return _element(builder, base, array) if lanes is None else _gather(builder, base, lanes, array, kind)
 
-    return (v.element(v, types.int32), lower) if v in _KINDS and isinstance(i, types.Integer) else None
-
-
-def _compare(builder: Any, op: str, kind: _LaneType, a: Any, b: Any) -> Any:
-    return builder.fcmp_ordered(op, a, b) if kind.is_float else builder.icmp_signed(op, a, b)
-
-
-def _extreme(op: str, description: str) -> Any:
-    def build(typingctx: Any, a: Any, b: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            return builder.select(_compare(builder, op, a, *args), *args)
-
-        return (a(a, b), lower) if a in _KINDS and a == b else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-min8 = _extreme("<", "a < b ? a : b, lane by lane.")
-max8 = _extreme(">", "a > b ? a : b, lane by lane.")
+    return kind(array, wanted), lower
 
 
-def _reduction(op: str, description: str) -> Any:
-    def build(typingctx: Any, v: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            values, width = args[0], _EIGHT
-            while width > 1:
-                width //= 2
-                halves = [
-                    builder.shuffle_vector(values, values, ir.Constant(ir.VectorType(_I32, width), list(range(at, at + width))))
-                    for at in (0, width)
-                ]
-                values = builder.select(_compare(builder, op, v, *halves), *halves)
-            return builder.extract_element(values, _I32(0))
-
-        return (v.element(v), lower) if v in _KINDS else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-reduce_min8 = _reduction("<", "The least lane (of lanes without NaN).")
-reduce_max8 = _reduction(">", "The greatest lane (of lanes without NaN).")
-
-
-def _unary_float(name: str, description: str) -> Any:
-    def build(typingctx: Any, a: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            function_type = ir.FunctionType(_FLOATS.vector, [_FLOATS.vector])
-            function = cgutils.get_or_insert_function(builder.module, function_type, f"{name}.v8f32")
-            return builder.call(function, args)
-
-        return (_FLOATS(_FLOATS), lower) if a == _FLOATS else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-sqrt8 = _unary_float("llvm.sqrt", "The correctly rounded square roots; NaN below zero.")
-floor8 = _unary_float("llvm.floor", "The greatest integers not above, as float32.")
+def _gather(builder: Any, base: Any, lanes: Any, array: Any, kind: _LaneType) -> Any:
+    made = ir.Constant(kind.vector, ir.Undefined)
+    for k in range(_EIGHT):
+        offset = builder.sext(builder.extract_element(lanes, _I32(k)), _I64)
+        made = builder.insert_element(made, _element(builder, builder.gep(base, [offset]), array), _I32(k))
+    return made
 
 
 @intrinsic  # type: ignore[misc]
-def to_float8(typingctx: Any, a: Any) -> Any:
-    """The nearest float32 of each integer."""
+def four_bytes(typingctx: Any, array: Any, start: Any, index: Any) -> Any:
+    """The bytes 4 index .. 4 index + 3 after `start`, as an int32 or eight, the first one lowest."""
+    eight = isinstance(index, _IntLanes)
+    fits = isinstance(array, types.Array) and array.dtype == types.uint8 and array.layout == "C" and isinstance(start, types.Integer)
+    if not fits or not (eight or isinstance(index, types.Integer)):
+        return None
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.sitofp(args[0], _FLOATS.vector)
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        base = builder.bitcast(builder.gep(data, [args[1]]), ir.PointerType(_I32))
 
-    return (_FLOATS(_INTS), lower) if a == _INTS else None
+        def word(offset: Any) -> Any:
+            loaded = builder.load(builder.gep(base, [offset]))
+            loaded.align = 1
+            return loaded
 
+        if not eight:
+            return word(args[2])
+        made = ir.Constant(INT_LANES.vector, ir.Undefined)
+        for k in range(_EIGHT):
+            offset = builder.sext(builder.extract_element(args[2], _I32(k)), _I64)
+            made = builder.insert_element(made, word(offset), _I32(k))
+        return made
 
-@intrinsic  # type: ignore[misc]
-def to_int8(typingctx: Any, a: Any) -> Any:
-    """The integers towards zero; -2^31 for NaN and for what an int32 cannot hold."""
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        limit = 2.0**31
-        low, high = (ir.Constant(_FLOATS.vector, [x] * _EIGHT) for x in (-limit, limit))
-        fits = builder.and_(builder.fcmp_ordered(">=", args[0], low), builder.fcmp_ordered("<", args[0], high))
-        # fptosi of what does not fit is poison in LLVM: choose a number that fits before the conversion.
-        safe = builder.select(fits, args[0], low)
-        return builder.fptosi(safe, _INTS.vector)
-
-    return (_INTS(_FLOATS), lower) if a == _FLOATS else None
-
-
-# --- masks ----------------------------------------------------------------------------------------------------------------
-
-
-def _mask(op: str, description: str) -> Any:
-    def build(typingctx: Any, a: Any, b: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            bits = builder.bitcast(_compare(builder, op, a, *args), ir.IntType(_EIGHT))
-            return builder.zext(bits, _I32)
-
-        return (types.int32(a, b), lower) if a in _KINDS and a == b else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-mask_less = _mask("<", "The mask of a < b: bit k tells of lane k.")
-mask_less_equal = _mask("<=", "The mask of a <= b.")
-mask_greater = _mask(">", "The mask of a > b.")
-mask_greater_equal = _mask(">=", "The mask of a >= b.")
-mask_equal = _mask("==", "The mask of a == b.")
-
-
-@intrinsic  # type: ignore[misc]
-def select8(typingctx: Any, mask: Any, a: Any, b: Any) -> Any:
-    """a where the mask's bit is set, b elsewhere."""
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        bits = builder.bitcast(builder.trunc(args[0], ir.IntType(_EIGHT)), ir.VectorType(ir.IntType(1), _EIGHT))
-        return builder.select(bits, args[1], args[2])
-
-    return (a(types.int32, a, b), lower) if isinstance(mask, types.Integer) and a in _KINDS and a == b else None
-
-
-def _bit_count(lowering: Any, description: str) -> Any:
-    def build(typingctx: Any, mask: Any) -> Any:
-        def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            return lowering(builder, args[0])
-
-        return (types.int32(types.int32), lower) if isinstance(mask, types.Integer) else None
-
-    build.__doc__ = description
-    return intrinsic(build)
-
-
-first_set = _bit_count(
-    lambda builder, x: builder.cttz(x, ir.Constant(ir.IntType(1), 0)),
-    "The number of the lowest lane of a mask; 32 if it is empty.",
-)
-count_set = _bit_count(lambda builder, x: builder.ctpop(x), "How many lanes a mask has.")
+    kind = INT_LANES if eight else types.int32
+    return kind(array, types.int64, INT_LANES if eight else types.int64), lower

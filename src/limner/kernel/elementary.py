@@ -3,7 +3,7 @@
 The C library's functions differ between machines in the last bit, and LLVM cannot vectorise calls to them. These are
 polynomials after an exact reduction of the argument, branch-free, accurate to a few units in the last place over their range
 (`tests/laws/test_elementary.py` measures them against float64), and the same bits on every machine,
-compiled or not. Multiplication and addition are never fused.
+compiled or not. Multiplication and addition are never fused. They take a number or eight (`lanes`).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from .._jit import MODE, kernel
+from .lanes import f32x8, i32x8, int32, max, min, to_float, where
 
 __all__ = [
     "HALF_PI", "INV_PI", "PI", "TWO_PI", "acos", "as_float", "as_int", "atan2", "cos", "exp2", "floor", "log2", "power",
@@ -28,22 +29,23 @@ INV_PI = f32(1.0 / math.pi)
 if MODE == "compiled":
     from ._bits import as_float, as_int, floor, sqrt
 else:
+    from .lanes import _Lanes
 
     def sqrt(x: np.float32) -> np.float32:
         """The correctly rounded square root; NaN below zero."""
-        return np.sqrt(f32(x))
+        return f32x8(np.sqrt(x.values)) if isinstance(x, _Lanes) else np.sqrt(f32(x))
 
     def floor(x: np.float32) -> np.float32:
         """The greatest integer not above x, as float32."""
-        return np.floor(f32(x))
+        return f32x8(np.floor(x.values)) if isinstance(x, _Lanes) else np.floor(f32(x))
 
     def as_int(x: np.float32) -> np.int32:
         """The bits of a float32 as int32."""
-        return f32(x).view(i32)
+        return i32x8(x.values.view(i32)) if isinstance(x, _Lanes) else f32(x).view(i32)
 
     def as_float(i: np.int32) -> np.float32:
         """The float32 of the given bits."""
-        return i32(i).view(f32)
+        return f32x8(i.values.view(f32)) if isinstance(i, _Lanes) else i32(i).view(f32)
 
 
 _ZERO, _HALF, _ONE, _TWO = f32(0.0), f32(0.5), f32(1.0), f32(2.0)
@@ -58,7 +60,7 @@ def safe_sqrt(x: np.float32) -> np.float32:
 # 2^f = 1 + f (E1 + f (E2 + ...)) on [-1/2, 1/2]: the polynomial of least maximal relative error, 2e-9 before rounding.
 _E1, _E2, _E3 = f32(0.6931472028549863), f32(0.2402264791385211), f32(0.05550332471371312)
 _E4, _E5, _E6 = f32(0.009618437329378893), f32(0.001339887434358723), f32(0.0001535336975361082)
-_BIAS, _MANTISSA_BITS = i32(127), i32(23)
+_BIAS, _MANTISSA_BITS, _I1, _I2 = i32(127), i32(23), i32(1), i32(2)
 
 
 @kernel
@@ -71,11 +73,12 @@ def exp2(x: np.float32) -> np.float32:
     clamped = min(max(f32(-127.0), x), f32(128.0))
     n = floor(clamped + _HALF)
     f = clamped - n
+    whole = int32(n)
     p = _ONE + f * (_E1 + f * (_E2 + f * (_E3 + f * (_E4 + f * (_E5 + f * _E6)))))
-    low = i32(i32(n) >> i32(1))
-    high = i32(i32(n) - low)
-    scaled = p * as_float(i32(i32(low + _BIAS) << _MANTISSA_BITS)) * as_float(i32(i32(high + _BIAS) << _MANTISSA_BITS))
-    return scaled if x >= f32(-126.0) else _ZERO
+    low = int32(whole >> _I1)
+    high = int32(whole - low)
+    scaled = p * as_float(int32(int32(low + _BIAS) << _MANTISSA_BITS)) * as_float(int32(int32(high + _BIAS) << _MANTISSA_BITS))
+    return where(x >= f32(-126.0), scaled, _ZERO)
 
 
 # ln((1+s)/(1-s)) = 2 (s + s^3/3 + ...), scaled to base 2; |s| <= 0.1716 leaves 1e-9.
@@ -89,19 +92,18 @@ _LEAST_NORMAL = f32(2.0**-126)
 def log2(x: np.float32) -> np.float32:
     """log2 x: exponent plus the atanh series of the mantissa; -126 for what is below 2^-126, and for NaN; 128 for infinity."""
     bits = as_int(max(_LEAST_NORMAL, x))
-    e = i32(i32(bits - _SQRT_HALF_BITS) >> i32(23))
-    m = as_float(i32(bits - i32(e << i32(23))))
+    e = int32(int32(bits - _SQRT_HALF_BITS) >> _MANTISSA_BITS)
+    m = as_float(int32(bits - int32(e << _MANTISSA_BITS)))
     s = (m - _ONE) / (m + _ONE)
     q = s * s
-    return f32(e) + s * (_L1 + q * (_L3 + q * (_L5 + q * (_L7 + q * _L9))))
+    return to_float(e) + s * (_L1 + q * (_L3 + q * (_L5 + q * (_L7 + q * _L9))))
 
 
 @kernel
 def power(x: np.float32, p: np.float32) -> np.float32:
     """x^p for x >= 0, as 2^(p log2 x); 0 for x <= 0 and NaN, but x^0 is 1."""
     y = exp2(p * log2(x))
-    y = y if x > _ZERO else _ZERO
-    return y if p != _ZERO else _ONE
+    return where(p != _ZERO, where(x > _ZERO, y, _ZERO), _ONE)
 
 
 # Cody-Waite: pi/2 in three pieces, the first two with trailing zeros, so that n * piece is exact for moderate n.
@@ -116,15 +118,15 @@ _C2, _C4, _C6, _C8 = f32(-0.5), f32(1.0 / 24.0), f32(-1.0 / 720.0), f32(1.0 / 40
 @kernel
 def _sin_quadrant(x: np.float32, shift: np.int32) -> np.float32:
     """sin(x + shift pi/2): reduce to [-pi/4, pi/4], then sine or cosine of the rest by its Taylor series."""
-    x = x if abs(x) <= _FARTHEST else _ZERO
+    x = where(abs(x) <= _FARTHEST, x, _ZERO)
     n = floor(x * _TWO_OVER_PI + _HALF)
     r = ((x - n * _PIO2_A) - n * _PIO2_B) - n * _PIO2_C
-    quadrant = i32(i32(i32(n) + shift) & i32(3))
+    quadrant = int32(int32(n) + shift)
     q = r * r
     s = r + r * q * (_S3 + q * (_S5 + q * (_S7 + q * _S9)))
     c = _ONE + q * (_C2 + q * (_C4 + q * (_C6 + q * _C8)))
-    y = c if (quadrant & i32(1)) == i32(1) else s
-    return -y if (quadrant & i32(2)) == i32(2) else y
+    y = where((quadrant & _I1) == _I1, c, s)
+    return where((quadrant & _I2) == _I2, -y, y)
 
 
 @kernel
@@ -151,15 +153,16 @@ def atan2(y: np.float32, x: np.float32) -> np.float32:
     """The angle of (x, y) in [-pi, pi] for finite x and y; 0 for the origin. Zeros count as positive."""
     ax, ay = abs(x), abs(y)
     large, small = max(ax, ay), min(ax, ay)
-    t = small / large if large > _ZERO else _ZERO
+    apart = large > _ZERO
+    t = where(apart, small / where(apart, large, _ONE), _ZERO)
     beyond = t > _TAN_PI_8
-    r = (t - _ONE) / (t + _ONE) if beyond else t
+    r = where(beyond, (t - _ONE) / (t + _ONE), t)
     q = r * r
     a = r + r * q * (_A3 + q * (_A5 + q * (_A7 + q * (_A9 + q * _A11))))
-    a = a + _QUARTER_PI if beyond else a
-    a = HALF_PI - a if ay > ax else a
-    a = PI - a if x < _ZERO else a
-    return -a if y < _ZERO else a
+    a = where(beyond, a + _QUARTER_PI, a)
+    a = where(ay > ax, HALF_PI - a, a)
+    a = where(x < _ZERO, PI - a, a)
+    return where(y < _ZERO, -a, a)
 
 
 @kernel

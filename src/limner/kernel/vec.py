@@ -3,7 +3,8 @@
     h = normalize(v + l)
     radiance = kd * E * (max(ZERO, dot(n, l)) * INV_PI)
 
-A scalar operand is cast to float32, so nothing silently becomes float64. `Vec3 * Vec3` is an error, `Color * Color` is
+Their components are numbers or lanes (`lanes`): one vector or eight, by the same formulas. A scalar operand is cast to float32, so nothing
+silently becomes float64. `Vec3 * Vec3` is an error, `Color * Color` is
 componentwise. The classes below are what runs uncompiled; compiled, the same names are a Numba value type of three floats
 (`_value_types`), and every operation rounds alike, so both give the same bits.
 """
@@ -16,10 +17,12 @@ import numpy as np
 
 from .._jit import MODE, kernel
 from .elementary import sqrt
+from .lanes import _Lanes, max, spread, where
 
 __all__ = [
     "BLACK_LIMIT", "ONE", "ZERO", "Color", "Vec3", "cross", "dot", "length", "lerp", "luminance", "max_component", "normalize",
     "reflect",
+    "spread3",
 ]  # fmt: skip
 
 f32 = np.float32
@@ -29,15 +32,20 @@ TWO = f32(2.0)
 BLACK_LIMIT = f32(1e-9)
 
 
+def _component(x: Any) -> Any:
+    return x if isinstance(x, _Lanes) else f32(x)
+
+
 class Vec3:
     """A point, a direction or a normal: three float32."""
 
     __slots__ = ("x", "y", "z")
+    fields = __slots__
 
     def __init__(self, x: Any, y: Any, z: Any) -> None:
-        self.x = f32(x)
-        self.y = f32(y)
-        self.z = f32(z)
+        self.x = _component(x)
+        self.y = _component(y)
+        self.z = _component(z)
 
     def __add__(self, o: Vec3) -> Vec3:
         return Vec3(self.x + o.x, self.y + o.y, self.z + o.z)
@@ -46,11 +54,11 @@ class Vec3:
         return Vec3(self.x - o.x, self.y - o.y, self.z - o.z)
 
     def __mul__(self, s: Any) -> Vec3:
-        s = f32(s)
+        s = _component(s)
         return Vec3(self.x * s, self.y * s, self.z * s)
 
     def __truediv__(self, s: Any) -> Vec3:
-        s = f32(s)
+        s = _component(s)
         return Vec3(self.x / s, self.y / s, self.z / s)
 
     def __neg__(self) -> Vec3:
@@ -64,11 +72,12 @@ class Color:
     """Linear light in three channels (Rec. 709): three float32."""
 
     __slots__ = ("b", "g", "r")
+    fields = ("r", "g", "b")
 
     def __init__(self, r: Any, g: Any, b: Any) -> None:
-        self.r = f32(r)
-        self.g = f32(g)
-        self.b = f32(b)
+        self.r = _component(r)
+        self.g = _component(g)
+        self.b = _component(b)
 
     def __add__(self, o: Color) -> Color:
         return Color(self.r + o.r, self.g + o.g, self.b + o.b)
@@ -79,11 +88,11 @@ class Color:
     def __mul__(self, o: Any) -> Color:
         if isinstance(o, Color):
             return Color(self.r * o.r, self.g * o.g, self.b * o.b)
-        o = f32(o)
+        o = _component(o)
         return Color(self.r * o, self.g * o, self.b * o)
 
     def __truediv__(self, s: Any) -> Color:
-        s = f32(s)
+        s = _component(s)
         return Color(self.r / s, self.g / s, self.b / s)
 
     def __neg__(self) -> Color:
@@ -113,6 +122,12 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
 
 
 @kernel
+def spread3(v: Vec3, like: np.float32) -> Vec3:
+    """A vector, as one or eight of it as the number `like` is."""
+    return Vec3(spread(v.x, like), spread(v.y, like), spread(v.z, like))
+
+
+@kernel
 def length(v: Vec3) -> np.float32:
     """|v|"""
     return sqrt(dot(v, v))
@@ -122,7 +137,7 @@ def length(v: Vec3) -> np.float32:
 def normalize(v: Vec3) -> Vec3:
     """v / |v|; the zero vector stays zero."""
     squared = dot(v, v)
-    return v * (ONE / sqrt(squared)) if squared > ZERO else v
+    return v * (ONE / where(squared > ZERO, sqrt(squared), ONE))
 
 
 @kernel

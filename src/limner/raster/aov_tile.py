@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.vec import ZERO
 from ..shading.aov import write_aov
 from ..shading.visible import visible_point
-from ..tables.layouts import PERSPECTIVE
-from .fill import fill_opaque, vertices_of
+from .fill import eight_pixels, fill_opaque, vertices_of
+from .tile import farthest_depth
 
 __all__ = ["draw_aov_tile"]
 
@@ -19,7 +18,7 @@ f32, i32 = np.float32, np.int32
 @kernel
 def draw_aov_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, depth, seen, values, ids,
+    camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, floats, ints, values, ids,
     tile, first_column, first_row, columns, rows,
 ):  # fmt: skip
     """Fill the channels of a tile: values (height, width, 16), ids (height, width, 3), row 0 at the bottom."""
@@ -27,10 +26,10 @@ def draw_aov_tile(
     frame = (vertices, first_vertex, cuts)
     camera = camera_table[0]
     window = (first_column, first_row, columns, rows)
-    farthest = camera["near"] / camera["far"] if camera["kind"] == PERSPECTIVE else ZERO
+    depth, seen = floats[0], ints[0]
     for p in range(columns * rows):
-        depth[p], seen[p] = farthest, i32(-1)
-    fill_opaque(screen, binned, bin_range[tile], bin_range[tile + 1], window, 0, 0, camera, scene, frame, depth, seen, 0)
+        depth[p], seen[p] = farthest_depth(camera), i32(-1)
+    fill_opaque(screen, binned, bin_range[tile], bin_range[tile + 1], window, eight_pixels(0, 0), camera, scene, frame, depth, seen)
     for p in range(columns * rows):
         if seen[p] >= 0:
             i, j = first_column + p % columns, first_row + p // columns

@@ -1,32 +1,142 @@
-"""The fragment stage: the colour of what a sample sees, by the shading functions that all renderers share."""
+"""The fragment stage: the colour of what samples see, by the shading functions that all renderers share.
+
+Eight fragments of one material on one instance are shaded at once, wherever in the tile they lie: what a material or an instance decides
+is decided once for all eight, and no lane waits for another that does something else. So the fragments of a tile are listed first, and
+sorted by what they show (Seiler et al., *Larrabee: a many-core x86 architecture for visual computing*, 2008, shade in such groups, too).
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.vec import ONE, ZERO
+from ..kernel.lanes import at, f32x8, i32x8, load8, put, splat8, splat8_int, spread, where
+from ..kernel.vec import ONE, ZERO, Color, normalize
+from ..shading.analytic import view_ray
 from ..shading.bsdf import resolve
 from ..shading.lights import ambient_radiance, illuminate, lit_radiance
-from ..shading.sky import ambient_from_sky
+from ..shading.sky import ambient_from_sky, sky_radiance
 from ..shading.surface import Barycentrics, SurfacePoint, barycentrics_at, flip_to_front, surface_at, with_normal
 from ..shading.visible import direction_to_eye, visible_point
 from ..tables.layouts import AMBIENT_LIGHT
-from .fill import vertices_of
 from .layouts import PER_TRIANGLE, PER_VERTEX
 
-__all__ = ["shade_fragment"]
+__all__ = ["Fragments", "add_fragment", "shade_fragments"]
 
-_THIRD = np.float32(1.0 / 3.0)
+f32, i32 = np.float32, np.int32
+_THIRD = f32(1.0 / 3.0)
+_COUNTING = np.arange(8, dtype=np.int32)
+
+
+class Fragments(NamedTuple):
+    """What is to be shaded, in the order of the pixels, and what came of it: arrays with room for 8 more than there can be."""
+
+    surface: np.ndarray  # int32: row of the screen triangle; -1: what lies behind everything
+    triangle: np.ndarray  # int32: of the instance's mesh
+    pixel: np.ndarray  # int32: place in the tile
+    group: np.ndarray  # int32: which of the groups it belongs to
+    order: np.ndarray  # int32: the fragments, group by group
+    first: np.ndarray  # int32: of each group, its first fragment in `order`; one more at the end
+    table: np.ndarray  # int32: the groups, hashed; a power of two
+    x: np.ndarray  # float32: raster coordinates
+    y: np.ndarray
+    weight: np.ndarray  # float32: how many samples it stands for
+    r: np.ndarray  # float32: its radiance
+    g: np.ndarray
+    b: np.ndarray
+    alpha: np.ndarray
 
 
 @kernel
-def _shade(point: SurfacePoint, camera, scene, lighting):
+def add_fragment(fragments: Fragments, n: int, surface: int, pixel: int, x: np.float32, y: np.float32, weight: np.float32) -> int:
+    """Append a fragment to n others. Returns how many there are."""
+    fragments.surface[n], fragments.pixel[n] = surface, pixel
+    fragments.x[n], fragments.y[n], fragments.weight[n] = x, y, weight
+    return n + 1
+
+
+# --- groups ---------------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def _shown(screen, surface: int):
+    """(instance, material) of what a fragment shows."""
+    if surface < 0:
+        return i32(-1), i32(-1)
+    return screen[surface]["instance"], screen[surface]["material"]
+
+
+@kernel
+def _find_group(fragments: Fragments, screen, instance: int, material: int, n_groups: int) -> int:
+    """The group of an instance and a material among those in the table, or the next one, n_groups, and then it is entered."""
+    mask = fragments.table.shape[0] - 1
+    place = ((instance * 73856093) ^ (material * 19349663)) & mask
+    while fragments.table[place] >= 0:
+        group = fragments.table[place]
+        of_instance, of_material = _shown(screen, np.int64(fragments.surface[fragments.first[group]]))
+        if of_instance == instance and of_material == material:
+            return np.int64(group)
+        place = (place + 1) & mask
+    fragments.table[place] = n_groups
+    return n_groups
+
+
+@kernel
+def _number_groups(fragments: Fragments, n: int, screen) -> int:
+    """Give each fragment the number of its group, in the order in which groups appear. Returns how many there are.
+
+    `first` holds the first fragment of each.
+    """
+    n_groups, last_group = 0, 0
+    last_instance, last_material = i32(-2), i32(-2)
+    for k in range(n):
+        surface = np.int64(fragments.surface[k])
+        instance, material = _shown(screen, surface)
+        if instance != last_instance or material != last_material:
+            if n_groups == 0:
+                for place in range(fragments.table.shape[0]):
+                    fragments.table[place] = -1
+            last_instance, last_material = instance, material
+            last_group = _find_group(fragments, screen, np.int64(instance), np.int64(material), n_groups)
+            if last_group == n_groups:
+                fragments.first[n_groups] = k
+                n_groups += 1
+        fragments.group[k] = last_group
+        fragments.triangle[k] = screen[surface]["triangle"] if surface >= 0 else i32(-1)
+    return n_groups
+
+
+@kernel
+def _sort_groups(fragments: Fragments, n: int, n_groups: int):
+    """Fill `order` and `first`: a counting sort, which keeps the order within a group."""
+    first, order = fragments.first, fragments.order
+    for group in range(n_groups + 1):
+        first[group] = 0
+    for k in range(n):
+        first[fragments.group[k] + 1] += 1
+    for group in range(n_groups):
+        first[group + 1] += first[group]
+    for k in range(n):
+        group = fragments.group[k]
+        order[first[group]] = k
+        first[group] += 1
+    for group in range(n_groups, 0, -1):
+        first[group] = first[group - 1]
+    first[0] = 0
+
+
+# --- shading --------------------------------------------------------------------------------------------------------------
+
+
+@kernel
+def _shade(point: SurfacePoint, material, camera, scene, lighting):
     """(radiance, alpha) of a surface point: emission, ambient light, the sky, and every light, without shadows."""
-    _, _, _, _, _, _, materials, lights, textures, texels = scene
+    _, _, _, _, _, _, _, lights, textures, texels = scene
     wo = direction_to_eye(camera, point.position)
     point = flip_to_front(point, wo)
-    bsdf = resolve(materials[point.material], point, textures, texels)
+    bsdf = resolve(material, point, textures, texels)
     radiance = bsdf.emission + ambient_radiance(lights, bsdf) + ambient_from_sky(lighting, bsdf, wo)
     for k in range(lights.shape[0]):
         if lights[k]["kind"] != AMBIENT_LIGHT:
@@ -35,33 +145,81 @@ def _shade(point: SurfacePoint, camera, scene, lighting):
 
 
 @kernel
-def _corner(scene, instance_id: int, triangle: int, b0: np.float32, b1: np.float32, b2: np.float32, faceted: bool) -> SurfacePoint:
+def _corner(scene, instance, triangle: i32x8, b0: np.float32, b1: np.float32, b2: np.float32, faceted: bool) -> SurfacePoint:
     """A point of a triangle by its weights alone, with no footprint; `faceted`: with the triangle's own normal."""
-    instances, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
-    instance = instances[instance_id]
-    w = Barycentrics(b0, b1, b2, ZERO, ZERO, ZERO, ZERO)
+    _, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
+    zero = splat8(ZERO)
+    w = Barycentrics(splat8(b0), splat8(b1), splat8(b2), zero, zero, zero, zero)
     point = surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w)
     return with_normal(point, point.n) if faceted else point
 
 
 @kernel
-def _gouraud(instance_id: int, triangle: int, w: Barycentrics, camera, scene, lighting):
+def _gouraud(instance, triangle: i32x8, w: Barycentrics, material, camera, scene, lighting):
     """Shade the three vertices and interpolate their colours (FoCG 8.2.4, 10.1.3)."""
-    c0, a0 = _shade(_corner(scene, instance_id, triangle, ONE, ZERO, ZERO, False), camera, scene, lighting)
-    c1, a1 = _shade(_corner(scene, instance_id, triangle, ZERO, ONE, ZERO, False), camera, scene, lighting)
-    c2, a2 = _shade(_corner(scene, instance_id, triangle, ZERO, ZERO, ONE, False), camera, scene, lighting)
-    return c0 * w.b0 + c1 * w.b1 + c2 * w.b2, a0 * w.b0 + a1 * w.b1 + a2 * w.b2
+    radiance, alpha = Color(splat8(ZERO), ZERO, ZERO), splat8(ZERO)
+    for k in range(3):
+        b0, b1, b2 = f32(k == 0), f32(k == 1), f32(k == 2)
+        c, a = _shade(_corner(scene, instance, triangle, b0, b1, b2, False), material, camera, scene, lighting)
+        share = w.b0 if k == 0 else (w.b1 if k == 1 else w.b2)
+        radiance, alpha = radiance + c * share, alpha + a * share
+    return radiance, alpha
 
 
 @kernel
-def shade_fragment(screen_triangle, x, y, camera, scene, lighting, frame, frequency: int):
-    """(radiance, alpha) of a screen triangle at raster point (x, y), shaded there, at its vertices, or once for the triangle."""
-    instances, meshes, _, triangles, _, _, _, _, _, _ = scene
+def _vertex(vertices, row: i32x8):
+    return at(vertices, (row, 0)), at(vertices, (row, 1)), at(vertices, (row, 2)), at(vertices, (row, 3))
+
+
+@kernel
+def _shade_eight(instance_id: int, material_id: int, triangle: i32x8, x: f32x8, y: f32x8, camera, scene, lighting, frame, frequency: int):
+    """(radiance, alpha) of eight points of an instance's triangles at raster points (x, y), shaded there, at the vertices, or once each."""
+    instances, meshes, _, triangles, _, _, materials, _, _, _ = scene
     vertices, first_vertex, _ = frame
-    instance_id, triangle = np.int64(screen_triangle["instance"]), np.int64(screen_triangle["triangle"])
-    v0, v1, v2 = vertices_of(screen_triangle, instances, meshes, triangles, vertices, first_vertex)
-    if frequency == PER_VERTEX:
-        return _gouraud(instance_id, triangle, barycentrics_at(x, y, v0, v1, v2), camera, scene, lighting)
+    instance, material = instances[instance_id], materials[material_id]
     if frequency == PER_TRIANGLE:
-        return _shade(_corner(scene, instance_id, triangle, _THIRD, _THIRD, _THIRD, True), camera, scene, lighting)
-    return _shade(visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y), camera, scene, lighting)
+        return _shade(_corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True), material, camera, scene, lighting)
+    row = triangle + meshes[instance["mesh"]]["triangle"]
+    start = first_vertex[instance_id]
+    v0 = _vertex(vertices, at(triangles, (row, 0)) + start)
+    v1 = _vertex(vertices, at(triangles, (row, 1)) + start)
+    v2 = _vertex(vertices, at(triangles, (row, 2)) + start)
+    if frequency == PER_VERTEX:
+        return _gouraud(instance, triangle, barycentrics_at(x, y, v0, v1, v2), material, camera, scene, lighting)
+    return _shade(visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y), material, camera, scene, lighting)
+
+
+@kernel
+def _behind(x: f32x8, y: f32x8, lighting, background, camera):
+    """(radiance, alpha), premultiplied, of what lies behind everything at raster points."""
+    if lighting[0][0]["sky_visible"] != 0:
+        return sky_radiance(lighting, normalize(view_ray(camera, x, y).d)), spread(ONE, x)
+    grey = spread(ZERO, x)
+    return Color(grey, grey, grey) + Color(background[0], background[1], background[2]) * background[3], spread(background[3], x)
+
+
+@kernel
+def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background):
+    """Fill the radiance and alpha of the first n fragments."""
+    n_groups = _number_groups(fragments, n, screen)
+    _sort_groups(fragments, n, n_groups)
+    order = fragments.order
+    for group in range(n_groups):
+        begin, end = fragments.first[group], fragments.first[group + 1]
+        surface = np.int64(fragments.surface[order[begin]])
+        instance_id, material_id = _shown(screen, surface)
+        for k in range(begin, end, 8):
+            # Lanes beyond the last fragment do its work again.
+            chosen = where(load8(_COUNTING, 0) < end - k, load8(order, k), splat8_int(order[end - 1]))
+            x, y = at(fragments.x, chosen), at(fragments.y, chosen)
+            if surface < 0:
+                c, alpha = _behind(x, y, lighting, background, camera)
+            else:
+                triangle = at(fragments.triangle, chosen)
+                c, alpha = _shade_eight(
+                    np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency
+                )
+            put(fragments.r, chosen, c.r)
+            put(fragments.g, chosen, c.g)
+            put(fragments.b, chosen, c.b)
+            put(fragments.alpha, chosen, alpha)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["CUT", "GUARD_BAND", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS"]
+__all__ = [
+    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INT_ROWS", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE",
+    "SUBPIXELS",
+]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
 
@@ -13,6 +16,9 @@ PER_FRAGMENT, PER_VERTEX, PER_TRIANGLE = 0, 1, 2
 
 SUBPIXELS = 256
 """Screen vertices lie on a grid of 1/256 pixel, where edge functions are exact integers."""
+
+FLOAT_ROWS, INT_ROWS = 14, 10
+"""Rows of scratch memory that a tile needs."""
 
 GUARD_BAND = f32(1 << 19)
 """Pixels from the origin beyond which triangles are clipped, so that edge functions fit 64 bits with room to spare."""

@@ -8,7 +8,6 @@ the input, so the picture does not depend on how many there are.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
-from .layouts import CUT, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
+from .layouts import CUT, FLOAT_ROWS, INT_ROWS, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
 from .pyramid import pyramid_planes
 
 __all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
@@ -74,9 +73,7 @@ _DRAW = Door(
     (
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1),
         Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64,
-        Array(np.int32, 2), Array(np.float32, 1),
-        Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1),
-        Array(np.float32, 2), Array(np.float32, 1), Array(np.float32, 3),
+        Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.float32, 3),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
     ),
     "the raster renderer",
@@ -87,7 +84,7 @@ _DRAW_AOV = Door(
     "draw_aov_tile",
     (
         *SCENE_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1), Array(SCREEN_TRIANGLE, 1), Array(CUT, 1),
-        Array(np.int32, 1), Array(np.int64, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 3), Array(np.int32, 3),
+        Array(np.int32, 1), Array(np.int64, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.float32, 3), Array(np.int32, 3),
         _I64, _I64, _I64, _I64, _I64,
     ),
     "the raster renderer's channels",
@@ -157,7 +154,7 @@ def prepare(
     film : (height, width, 4) float32
         Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
     multisample : int
-        0: every sample is shaded; n: samples come n at a time, and what covers several is shaded once.
+        0: every sample is shaded; else samples come eight at a time, and what covers several is shaded once.
     frequency : PER_FRAGMENT | PER_VERTEX | PER_TRIANGLE
         Where the shading is computed.
     hidden_surfaces : "zbuffer" | "painter"
@@ -174,7 +171,7 @@ def prepare(
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
-        scratch = _Scratch(tile_size * tile_size, max(1, multisample)).arrays
+        scratch = _scratch(tile_size * tile_size * (8 if multisample and not has_blend else 1))
         return _DRAW.bind(
             *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, frequency, sample_places, background, *scratch, film
         )
@@ -208,10 +205,10 @@ def draw_channels(
     """
     height, width = ids.shape[:2]
     vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree)
-    scratch = _Scratch(tile_size * tile_size)
+    scratch = PerThread(lambda: _scratch(tile_size * tile_size)[:2])
 
     def draw_tile(tile: Tile) -> None:
-        _DRAW_AOV(*tables, view.camera, *vertices, *bins, *scratch.arrays[:2], values, ids, *tile)
+        _DRAW_AOV(*tables, view.camera, *vertices, *bins, *scratch.value, values, ids, *tile)
 
     run_all(draw_tile, tiles_of(width, height, tile_size), threads)
 
@@ -325,15 +322,8 @@ def _bin(
     return Bins(screen, cuts, binned, ranges)
 
 
-class _Scratch(threading.local):
-    """What a tile needs while it is drawn, once for each thread."""
-
-    def __init__(self, n: int, samples: int = 1) -> None:
-        def floats() -> NDArray[np.float32]:
-            return np.empty(n, dtype=np.float32)
-
-        def rows() -> NDArray[np.int32]:
-            return np.empty(n, dtype=np.int32)
-
-        layers = np.empty((n, 3), dtype=np.float32)
-        self.arrays = (floats(), np.empty(n * samples, dtype=np.int32), floats(), rows(), floats(), rows(), layers, floats())
+def _scratch(n: int) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]:
+    """What a tile of n samples needs while it is drawn: see `tile.draw_tile`."""
+    room = n + 16
+    table = np.empty(1 << (2 * room - 1).bit_length(), dtype=np.int32)
+    return np.zeros((FLOAT_ROWS, room), dtype=np.float32), np.zeros((INT_ROWS, room), dtype=np.int32), table

@@ -14,6 +14,7 @@ from .._jit import kernel
 from ..intersect.plane import intersect_plane
 from ..intersect.sphere import intersect_sphere
 from ..kernel.elementary import PI, TWO_PI, acos, atan2, sqrt
+from ..kernel.lanes import spread, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..tables.layouts import PERSPECTIVE, SPHERE
 from .surface import Footprint, SurfacePoint, transform_normal, transform_point, transform_vector, transformed_reach
@@ -45,9 +46,11 @@ def view_ray(camera, x: np.float32, y: np.float32) -> ViewRay:
     dx = Vec3(camera["dx"][0], camera["dx"][1], camera["dx"][2])
     dy = Vec3(camera["dy"][0], camera["dy"][1], camera["dy"][2])
     across = corner + dx * x + dy * y
-    if camera["kind"] == PERSPECTIVE:
-        return ViewRay(e, across, zero, zero, dx, dy)
-    return ViewRay(e + across, Vec3(camera["gaze"][0], camera["gaze"][1], camera["gaze"][2]), dx, dy, zero, zero)
+    o, d, dodx, dody, dddx, dddy = e, across, zero, zero, dx, dy
+    if camera["kind"] != PERSPECTIVE:
+        gaze = Vec3(camera["gaze"][0], camera["gaze"][1], camera["gaze"][2])
+        o, d, dodx, dody, dddx, dddy = e + across, gaze, dx, dy, zero, zero
+    return ViewRay(o, d, dodx, dody, dddx, dddy)
 
 
 @kernel
@@ -82,7 +85,8 @@ def _moved(origin: Vec3, direction: Vec3, t: np.float32, d: Vec3, n: Vec3) -> Ve
     """How the hit moves in its tangent plane as the ray's origin and direction change."""
     change = origin + direction * t
     along = dot(d, n)
-    return change - d * (dot(change, n) / along) if along != ZERO else change
+    aside = along != ZERO
+    return where(aside, change - d * (dot(change, n) / where(aside, along, ONE)), change)
 
 
 @kernel
@@ -95,9 +99,10 @@ def _sphere_uv(p: Vec3, r: np.float32):
 def _sphere_uv_change(p: Vec3, r: np.float32, dp: Vec3):
     """The derivatives of the sphere's u and v along dp."""
     around = p.x * p.x + p.z * p.z
-    du = (p.z * dp.x - p.x * dp.z) / (around * TWO_PI) if around > ZERO else ZERO
-    dv = dp.y / (sqrt(around) * PI) if around > ZERO else ZERO
-    return du, dv
+    off_axis = around > ZERO
+    held = where(off_axis, around, ONE)
+    du, dv = (p.z * dp.x - p.x * dp.z) / (held * TWO_PI), dp.y / (sqrt(held) * PI)
+    return where(off_axis, du, ZERO), where(off_axis, dv, ZERO)
 
 
 @kernel
@@ -126,9 +131,10 @@ def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
         dudy, dvdy = dpdy.x, -dpdy.z
     n = transform_normal(instance, n_object)
     w = instance["world_from_object"]
-    sign = -ONE if instance["flipped"] != 0 else ONE
+    sign = spread(where(instance["flipped"] != 0, -ONE, ONE), t)
+    zero, one = spread(ZERO, t), spread(ONE, t)
     return SurfacePoint(
-        transform_point(w, p), n, n, transform_vector(w, tangent), sign, u, v, ZERO, ZERO, Color(ONE, ONE, ONE), ONE,
-        Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO), np.int64(instance["material"]), Vec3(ZERO, ZERO, ZERO),
+        transform_point(w, p), n, n, transform_vector(w, tangent), sign, u, v, zero, zero, Color(one, one, one), one,
+        Footprint(dudx, dvdx, dudy, dvdy, zero, zero, zero, zero), spread(np.int64(instance["material"]), t), Vec3(zero, zero, zero),
         transformed_reach(w, abs(p.x), abs(p.y), abs(p.z)),
     )  # fmt: skip

@@ -17,6 +17,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import floor, log2, sqrt
+from ..kernel.lanes import max, min, where
 from ..kernel.vec import ONE, ZERO
 
 __all__ = ["MAX_PROBES", "Probes", "probes_of_footprint", "reduction_along"]
@@ -30,7 +31,7 @@ _ROUND_ENOUGH = f32(1.0 / 16.0)  # rounding must not turn a circle into an ellip
 class Probes(NamedTuple):
     """Where to look a texture up, evenly from -1/2 to 1/2 times (du, dv) around the point, and in which mipmap level."""
 
-    count: int
+    count: np.float32  # a whole number
     level: np.float32
     du: np.float32
     dv: np.float32
@@ -54,21 +55,22 @@ def probes_of_footprint(
     half = _HALF * (uu - vv)
     root = sqrt(half * half + across * across)
     longer_squared = _HALF * (uu + vv) + root
-    if not longer_squared > ONE:  # also where it is NaN
-        return Probes(1, ZERO, ZERO, ZERO)
+    minified = longer_squared > ONE  # not where it is NaN
+    longer_squared = where(minified, longer_squared, ONE)
     longer = sqrt(longer_squared)
     # |det J| / longer: the difference of mean and root would cancel
     shorter = max(max(abs(ux * vy - uy * vx) / longer, longer / _LONGEST), ONE)
     ratio = longer / shorter
-    level = log2(shorter)
-    if not ratio > ONE + _ROUND_ENOUGH:
-        return Probes(1, _HALF * log2(longer_squared), ZERO, ZERO)
-    count = min(MAX_PROBES, int(-floor(_ROUND_ENOUGH - ratio)))
+    is_long = minified & (ratio > ONE + _ROUND_ENOUGH)
+    level = where(is_long, log2(shorter), _HALF * log2(longer_squared))
+    count = where(is_long, min(_LONGEST, -floor(_ROUND_ENOUGH - ratio)), ONE)
     # the eigenvector of J J^T, from the row in which nothing cancels
-    x = half + root if half >= ZERO else across
-    y = across if half >= ZERO else root - half
-    spread = (longer - shorter) / sqrt(x * x + y * y)
-    return Probes(count, level, x * spread / width, y * spread / height)
+    x = where(half >= ZERO, half + root, across)
+    y = where(half >= ZERO, across, root - half)
+    squared = x * x + y * y
+    reach = (longer - shorter) / sqrt(where(squared > ZERO, squared, ONE))
+    du, dv = x * reach / width, y * reach / height
+    return Probes(count, level, where(is_long, du, ZERO), where(is_long, dv, ZERO))
 
 
 @kernel
@@ -76,4 +78,4 @@ def reduction_along(dx: np.float32, dy: np.float32, size: np.float32) -> np.floa
     """log2 of how many texels the footprint extends along one coordinate: the ellipse's bounding box; 0 below one texel."""
     x, y = dx * size, dy * size
     squared = x * x + y * y
-    return _HALF * log2(squared) if squared > ONE else ZERO
+    return where(squared > ONE, _HALF * log2(squared), ZERO)

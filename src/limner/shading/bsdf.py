@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
+from ..kernel.lanes import any_of, max, min, spread, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
 from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
 from .fresnel import schlick_weight
@@ -48,9 +49,9 @@ class Bsdf(NamedTuple):
 def _coverage(material, alpha: np.float32) -> np.float32:
     """Alpha as the material uses it: 1 if opaque, 0 or 1 behind a mask, itself if blended."""
     if material["alpha_mode"] == OPAQUE:
-        return ONE
+        return spread(ONE, alpha)
     if material["alpha_mode"] == MASK:
-        return ONE if alpha >= material["alpha_cutoff"] else ZERO
+        return where(alpha >= material["alpha_cutoff"], spread(ONE, alpha), ZERO)
     return min(max(alpha, ZERO), ONE)
 
 
@@ -70,10 +71,17 @@ def _color3(row) -> Color:
 
 
 @kernel
+def _even(level: np.float32, point: SurfacePoint) -> Color:
+    """The same grey at one point or at eight."""
+    grey = spread(level, point.u)
+    return Color(grey, grey, grey)
+
+
+@kernel
 def _textured(index: int, point: SurfacePoint, textures, texels) -> Color:
     """The colour of a texture; white where there is none."""
     if index < 0:
-        return Color(ONE, ONE, ONE)
+        return _even(ONE, point)
     c, _ = sample_texture(textures[index], texels, point)
     return c
 
@@ -83,21 +91,19 @@ def _mapped_normal(material, point: SurfacePoint, textures, texels) -> Vec3:
     """The shading normal bent by a normal map (glTF 2.0, 3.9.3): t x + b y + n z, with b = sign (n x t)."""
     n = point.ns
     t = point.tangent - n * dot(n, point.tangent)
-    squared = dot(t, t)
-    if squared <= ZERO:
-        return n
+    has_direction = dot(t, t) > ZERO
     t = normalize(t)
     b = cross(n, t) * point.bitangent_sign
     c, _ = sample_texture(textures[material["normal_texture"]], texels, point)
     s = material["normal_scale"]
     mapped = normalize(t * ((_TWO * c.r - ONE) * s) + b * ((_TWO * c.g - ONE) * s) + n * (_TWO * c.b - ONE))
-    return mapped if dot(mapped, mapped) > ZERO else n
+    return where(has_direction & (dot(mapped, mapped) > ZERO), mapped, n)
 
 
 @kernel
 def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
     """The lobes of a material at a point: textures looked up, kinds forgotten."""
-    black = Color(ZERO, ZERO, ZERO)
+    black, one = _even(ZERO, point), spread(ONE, point.u)
     base, alpha = _color3(material["color"]) * point.color, material["alpha"] * point.alpha
     if material["color_texture"] >= 0:
         c, a = sample_texture(textures[material["color_texture"]], texels, point)
@@ -105,20 +111,22 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
     alpha = _coverage(material, alpha)
     emission = _color3(material["emission"]) * _textured(material["emission_texture"], point, textures, texels)
     ka = _color3(material["ambient"])
-    ambient = ka if ka.r >= ZERO else base
+    ambient = base
+    if ka.r >= ZERO:
+        ambient = ka
     kind = material["kind"]
     if kind == BLINN_PHONG:
         ks = _color3(material["specular"]) * _textured(material["specular_texture"], point, textures, texels)
         ks = ks * material["specular_scale"]
-        km = _color3(material["mirror"])
-        p = -material["exponent"] if material["highlight"] == PHONG else material["exponent"]
-        return Bsdf(point.ns, base, ks, p, black, ONE, ambient, ONE, km, emission, alpha, base)
+        km = _color3(material["mirror"]) + black
+        p = spread(-material["exponent"] if material["highlight"] == PHONG else material["exponent"], point.u)
+        return Bsdf(point.ns, base, ks, p, black, one, ambient, one, km, emission, alpha, base)
     if kind == METALLIC_ROUGHNESS:
         if material["unlit"] != 0:
-            return Bsdf(point.ns, black, black, ONE, black, ONE, black, ONE, black, base + emission, alpha, base)
+            return Bsdf(point.ns, black, black, one, black, one, black, one, black, base + emission, alpha, base)
         rough = _textured(material["metallic_roughness_texture"], point, textures, texels)
         roughness, metallic = material["roughness"] * rough.g, material["metallic"] * rough.b
-        occlusion = ONE
+        occlusion = one
         if material["occlusion_texture"] >= 0:
             o = _textured(material["occlusion_texture"], point, textures, texels)
             occlusion = lerp(ONE, o.r, material["occlusion_strength"])
@@ -128,21 +136,26 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
         diffuse = base * (ONE - metallic)
         ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
-        return Bsdf(ns, diffuse, black, ONE, f0, roughness * roughness, ambient, occlusion, black, emission, alpha, base)
-    return Bsdf(point.ns, base, black, ONE, black, ONE, ambient, ONE, black, emission, alpha, base)
+        return Bsdf(ns, diffuse, black, one, f0, roughness * roughness, ambient, occlusion, black, emission, alpha, base)
+    return Bsdf(point.ns, base, black, one, black, one, ambient, one, black, emission, alpha, base)
 
 
 @kernel
 def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
     """The sum of the lobes, cosine included: radiance towards wo per irradiance facing wi."""
     value = eval_lambert(bsdf.diffuse, bsdf.ns, wi)
-    if max_component(bsdf.specular) > ZERO:
-        if bsdf.exponent < ZERO:
-            value = value + eval_phong(bsdf.specular, -bsdf.exponent, bsdf.ns, wi, wo)
+    has_highlight = max_component(bsdf.specular) > ZERO
+    if any_of(has_highlight):
+        # All of a material's points have one kind of highlight.
+        if any_of(bsdf.exponent < ZERO):
+            highlight = eval_phong(bsdf.specular, -bsdf.exponent, bsdf.ns, wi, wo)
         else:
-            value = value + eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
-    if max_component(bsdf.f0) > ZERO:
+            highlight = eval_blinn_phong(bsdf.specular, bsdf.exponent, bsdf.ns, wi, wo)
+        value = where(has_highlight, value + highlight, value)
+    has_facets = max_component(bsdf.f0) > ZERO
+    if any_of(has_facets):
         # What the coat of microfacets reflects does not reach the base (glTF 2.0, B.2.1: fresnel_mix).
         reflected = _DIELECTRIC_F0 + (ONE - _DIELECTRIC_F0) * schlick_weight(dot(wo, normalize(wo + wi)))
-        value = value * (ONE - reflected) + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
+        faceted = value * (ONE - reflected) + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
+        value = where(has_facets, faceted, value)
     return value

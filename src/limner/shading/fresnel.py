@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ..kernel.lanes import max, min
 from ..kernel.vec import ONE, ZERO, Color
 
 __all__ = ["schlick", "schlick_weight"]

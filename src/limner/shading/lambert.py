@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .._jit import kernel
 from ..kernel.elementary import INV_PI
+from ..kernel.lanes import max
 from ..kernel.vec import ZERO, Color, Vec3, dot
 
 __all__ = ["eval_lambert"]

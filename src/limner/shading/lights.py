@@ -8,7 +8,8 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
+from ..kernel.lanes import max, min, spread, where
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, spread3
 from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT
 from .bsdf import Bsdf, eval_bsdf
 
@@ -27,22 +28,28 @@ class Illumination(NamedTuple):
 
 
 @kernel
+def _spread_color(c: Color, like: Vec3) -> Color:
+    return Color(spread(c.r, like.x), spread(c.g, like.x), spread(c.b, like.x))
+
+
+@kernel
 def illuminate(light, p: Vec3) -> Illumination:
     """The light that reaches p if nothing stands between."""
     intensity = Color(light["intensity"][0], light["intensity"][1], light["intensity"][2])
     axis = Vec3(light["direction"][0], light["direction"][1], light["direction"][2])
     kind = light["kind"]
     if kind == DIRECTIONAL_LIGHT:
-        return Illumination(-axis, _INFINITY, intensity)
+        return Illumination(spread3(-axis, p.x), spread(_INFINITY, p.x), _spread_color(intensity, p))
     if kind == AMBIENT_LIGHT:
-        return Illumination(-axis, _INFINITY, Color(ZERO, ZERO, ZERO))
+        return Illumination(spread3(-axis, p.x), spread(_INFINITY, p.x), _spread_color(Color(ZERO, ZERO, ZERO), p))
     to_light = Vec3(light["position"][0], light["position"][1], light["position"][2]) - p
     squared = dot(to_light, to_light)
     distance = sqrt(squared)
-    wi = to_light * (ONE / distance) if distance > ZERO else -axis
-    strength = ONE
+    apart = distance > ZERO
+    wi = where(apart, to_light * (ONE / where(apart, distance, ONE)), -axis)
+    strength = spread(ONE, p.x)
     if light["inverse_square"] != 0:
-        strength = ONE / squared if squared > ZERO else ZERO
+        strength = where(squared > ZERO, ONE / where(squared > ZERO, squared, ONE), ZERO)
     if light["inverse_range"] > ZERO:
         s = squared * light["inverse_range"] * light["inverse_range"]
         strength = strength * min(max(ONE - s * s, ZERO), ONE)

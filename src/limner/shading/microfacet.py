@@ -10,6 +10,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import INV_PI, sqrt
+from ..kernel.lanes import max, min, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
 from .fresnel import schlick
 
@@ -17,7 +18,7 @@ __all__ = ["ggx_distribution", "eval_ggx", "smith_visibility"]  # noqa: RUF022 -
 
 f32 = np.float32
 _HALF = f32(0.5)
-_LEAST_ALPHA = f32(1e-3)
+_LEAST_ALPHA, _GRAZING = f32(1e-3), f32(1e-4)
 
 
 @kernel
@@ -38,11 +39,11 @@ def smith_visibility(alpha2: np.float32, n_l: np.float32, n_v: np.float32) -> np
 @kernel
 def eval_ggx(f0: Color, alpha: np.float32, n: Vec3, l: Vec3, v: Vec3) -> Color:  # noqa: E741 - the book's letter
     """F V D max(0, n.l): what irradiance facing l is multiplied by."""
-    n_l, n_v = dot(n, l), max(dot(n, v), f32(1e-4))
-    if n_l <= ZERO:
-        return Color(ZERO, ZERO, ZERO)
+    facing, n_v = dot(n, l), max(dot(n, v), _GRAZING)
+    n_l = where(facing > ZERO, facing, ONE)
     h = normalize(v + l)
     a = max(alpha, _LEAST_ALPHA)
     alpha2 = a * a
     d = ggx_distribution(alpha2, min(max(dot(n, h), ZERO), ONE))
-    return schlick(f0, dot(v, h)) * (smith_visibility(alpha2, n_l, n_v) * d * n_l)
+    reflected = smith_visibility(alpha2, n_l, n_v) * d * n_l
+    return schlick(f0, dot(v, h)) * where(facing > ZERO, reflected, ZERO)

@@ -6,6 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import INV_PI, power
+from ..kernel.lanes import max, where
 from ..kernel.vec import ZERO, Color, Vec3, dot, normalize, reflect
 
 __all__ = ["eval_blinn_phong", "eval_phong"]
@@ -19,7 +20,7 @@ def eval_blinn_phong(ks: Color, p: np.float32, n: Vec3, l: Vec3, v: Vec3) -> Col
     """
     h = normalize(v + l)
     highlight = power(max(ZERO, dot(n, h)), p)
-    return ks * (INV_PI * highlight if dot(n, l) > ZERO else ZERO)
+    return ks * (where(dot(n, l) > ZERO, INV_PI * highlight, ZERO))
 
 
 @kernel
@@ -27,4 +28,4 @@ def eval_phong(cp: Color, p: np.float32, n: Vec3, l: Vec3, e: Vec3) -> Color:  #
     """c_p/pi max(0, r.e)^p with r the reflection of the light over the normal (FoCG 10.2.1); black where the light stands behind."""
     r = reflect(-l, n)
     highlight = power(max(ZERO, dot(r, e)), p)
-    return cp * (INV_PI * highlight if dot(n, l) > ZERO else ZERO)
+    return cp * (where(dot(n, l) > ZERO, INV_PI * highlight, ZERO))

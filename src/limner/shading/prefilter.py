@@ -13,6 +13,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import INV_PI, TWO_PI, acos, atan2, floor
+from ..kernel.lanes import any_of, at, highest, lowest, max, min, to_float, to_int, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3
 from ..tables.layouts import BLURRED_HEIGHT, BLURRED_LEVELS, BLURRED_WIDTH
 from .albedo_table import GRAZING, NODES, TOTAL
@@ -27,7 +28,7 @@ _LAST = f32(NODES - 1)
 
 @kernel
 def _texel(blurred, row: int, i: int) -> Color:
-    return Color(blurred[row, i, 0], blurred[row, i, 1], blurred[row, i, 2])
+    return Color(at(blurred, (row, i, 0)), at(blurred, (row, i, 1)), at(blurred, (row, i, 2)))
 
 
 @kernel
@@ -35,10 +36,10 @@ def _level(blurred, level: int, x: np.float32, y: np.float32) -> Color:
     """Bilinear in one level; x in texels round the horizon, y from the bottom."""
     fx, fy = floor(x), floor(y)
     a, b = x - fx, y - fy
-    i0, j0 = int(fx), int(fy)
+    i0, j0 = to_int(fx), to_int(fy)
     i1, j1 = i0 + 1, min(j0 + 1, BLURRED_HEIGHT - 1)
-    i0 = i0 + BLURRED_WIDTH if i0 < 0 else i0
-    i1 = i1 - BLURRED_WIDTH if i1 >= BLURRED_WIDTH else i1
+    i0 = where(i0 < 0, i0 + BLURRED_WIDTH, i0)
+    i1 = where(i1 >= BLURRED_WIDTH, i1 - BLURRED_WIDTH, i1)
     start = level * BLURRED_HEIGHT
     j0, j1 = start + max(j0, 0), start + j1
     lower = _texel(blurred, j0, i0) * (ONE - a) + _texel(blurred, j0, i1) * a
@@ -54,19 +55,24 @@ def blurred_radiance(blurred, sharp: Color, d: Vec3, roughness: np.float32, inte
     """
     x = (_HALF + atan2(d.z, d.x) / TWO_PI) * f32(BLURRED_WIDTH) - _HALF
     y = (ONE - acos(d.y) * INV_PI) * f32(BLURRED_HEIGHT) - _HALF
-    at = min(max(roughness, ZERO), ONE) * _STEPS
-    level = min(int(at), BLURRED_LEVELS - 1)
-    t = at - f32(level)
-    rougher = _level(blurred, level, x, y) * intensity
-    smoother = sharp if level == 0 else _level(blurred, level - 1, x, y) * intensity
+    step = min(max(roughness, ZERO), ONE) * _STEPS
+    level = min(floor(step), _STEPS - ONE)
+    t = step - level
+    smoother, rougher = sharp, sharp
+    # Level by level, since eight pixels may look into several of them.
+    for k in range(max(to_int(lowest(level)) - 1, 0), to_int(highest(level)) + 1):
+        is_smoother, is_rougher = level == f32(k + 1), level == f32(k)
+        if any_of(is_smoother | is_rougher):
+            c = _level(blurred, k, x, y) * intensity
+            smoother, rougher = where(is_smoother, c, smoother), where(is_rougher, c, rougher)
     return smoother * (ONE - t) + rougher * t
 
 
 @kernel
 def _between(table, i: int, j: int, a: np.float32, b: np.float32) -> np.float32:
     """Bilinear in a table, from node (i, j) on."""
-    low = table[i, j] * (ONE - b) + table[i, j + 1] * b
-    high = table[i + 1, j] * (ONE - b) + table[i + 1, j + 1] * b
+    low = at(table, (i, j)) * (ONE - b) + at(table, (i, j + 1)) * b
+    high = at(table, (i + 1, j)) * (ONE - b) + at(table, (i + 1, j + 1)) * b
     return low * (ONE - a) + high * a
 
 
@@ -74,7 +80,7 @@ def _between(table, i: int, j: int, a: np.float32, b: np.float32) -> np.float32:
 def sent_on(f0: Color, n_v: np.float32, roughness: np.float32) -> Color:
     """The share of an even sky that the microfacet lobe sends towards the eye, by Schlick's reflectance."""
     x, y = min(max(roughness, ZERO), ONE) * _LAST, min(max(n_v, ZERO), ONE) * _LAST
-    i, j = min(int(x), NODES - 2), min(int(y), NODES - 2)
-    a, b = x - f32(i), y - f32(j)
+    i, j = min(to_int(x), NODES - 2), min(to_int(y), NODES - 2)
+    a, b = x - to_float(i), y - to_float(j)
     total, grazing = _between(TOTAL, i, j, a, b), _between(GRAZING, i, j, a, b)
     return f0 * (total - grazing) + Color(grazing, grazing, grazing)

@@ -15,6 +15,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import INV_PI, PI, TWO_PI, acos, atan2, cos, floor, safe_sqrt, sin, sqrt
+from ..kernel.lanes import any_of, at, max, min, spread, to_int, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, max_component, reflect
 from .bsdf import Bsdf
 from .prefilter import blurred_radiance, sent_on
@@ -53,7 +54,14 @@ def _turned_back(header, d: Vec3) -> Vec3:
 
 @kernel
 def _texel(sky, j: int, i: int) -> Color:
-    return Color(sky[j, i, 0], sky[j, i, 1], sky[j, i, 2])
+    return Color(at(sky, (j, i, 0)), at(sky, (j, i, 1)), at(sky, (j, i, 2)))
+
+
+@kernel
+def _black(d: Vec3) -> Color:
+    """No light at one point or at eight."""
+    zero = spread(ZERO, d.x)
+    return Color(zero, zero, zero)
 
 
 @kernel
@@ -62,17 +70,17 @@ def sky_radiance(lighting, d: Vec3) -> Color:
     header_table, sky, _, _, _ = lighting
     header = header_table[0]
     if header["sky_present"] == 0:
-        return Color(ZERO, ZERO, ZERO)
+        return _black(d)
     p = _turned(header, d)
     w, h = np.int64(header["sky_width"]), np.int64(header["sky_height"])
     x = (_HALF + atan2(p.z, p.x) / TWO_PI) * f32(w) - _HALF
     y = (ONE - acos(p.y) * INV_PI) * f32(h) - _HALF
     fx, fy = floor(x), floor(y)
     a, b = x - fx, y - fy
-    i0, j0 = int(fx), int(fy)
+    i0, j0 = to_int(fx), to_int(fy)
     i1, j1 = i0 + 1, min(j0 + 1, h - 1)
-    i0 = i0 + w if i0 < 0 else i0
-    i1 = i1 - w if i1 >= w else i1
+    i0 = where(i0 < 0, i0 + w, i0)
+    i1 = where(i1 >= w, i1 - w, i1)
     j0 = max(j0, 0)
     lower = _texel(sky, j0, i0) * (ONE - a) + _texel(sky, j0, i1) * a
     upper = _texel(sky, j1, i0) * (ONE - a) + _texel(sky, j1, i1) * a
@@ -149,7 +157,7 @@ def sky_irradiance(lighting, n: Vec3) -> Color:
     """The sky's irradiance on a surface of unit normal n, nothing in the way: second-order spherical harmonics, not below zero."""
     header = lighting[0][0]
     if header["sky_present"] == 0:
-        return Color(ZERO, ZERO, ZERO)
+        return _black(n)
     x, y, z = n.x, n.y, n.z
     e = _harmonic(header, 0) * _Y00
     e = e + _harmonic(header, 1) * (_Y1 * y) + _harmonic(header, 2) * (_Y1 * z) + _harmonic(header, 3) * (_Y1 * x)
@@ -164,12 +172,14 @@ def ambient_from_sky(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
     """What a surface sends on of the whole sky, unshadowed: the matte part by irradiance, the microfacets by the blurred sky."""
     header = lighting[0][0]
     if header["sky_present"] == 0:
-        return Color(ZERO, ZERO, ZERO)
+        return _black(wo)
     matte = sky_irradiance(lighting, bsdf.ns) * INV_PI
-    if max_component(bsdf.f0) <= ZERO:
+    has_facets = max_component(bsdf.f0) > ZERO
+    if not any_of(has_facets):
         return bsdf.ambient * matte
     n_v = max(dot(bsdf.ns, wo), ZERO)
     roughness = sqrt(bsdf.roughness2)
     r = reflect(-wo, bsdf.ns)
     shiny = blurred_radiance(lighting[4], sky_radiance(lighting, r), _turned(header, r), roughness, header["sky_intensity"])
-    return (bsdf.diffuse * matte * (ONE - _DIELECTRIC) + sent_on(bsdf.f0, n_v, roughness) * shiny) * bsdf.occlusion
+    coated = (bsdf.diffuse * matte * (ONE - _DIELECTRIC) + sent_on(bsdf.f0, n_v, roughness) * shiny) * bsdf.occlusion
+    return where(has_facets, coated, bsdf.ambient * matte)

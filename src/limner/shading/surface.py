@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize
+from ..kernel.lanes import at, max, min, spread, where
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, normalize, spread3
 
 __all__ = [
     "Barycentrics",
@@ -145,7 +146,7 @@ def barycentrics_at(x: np.float32, y: np.float32, v0, v1, v2) -> Barycentrics:
     e1 = q2x * q0y - q2y * q0x
     e2 = q0x * q1y - q0y * q1x
     total = e0 + e1 + e2
-    inverse = ONE / total if total != ZERO else ZERO
+    inverse = where(total != ZERO, ONE / where(total != ZERO, total, ONE), ZERO)
     # d q_i/dx = (-w_i, 0), d q_i/dy = (0, -w_i)
     de0dx, de0dy = q1y * v2[3] - v1[3] * q2y, v1[3] * q2x - q1x * v2[3]
     de1dx, de1dy = q2y * v0[3] - v2[3] * q0y, v2[3] * q0x - q2x * v0[3]
@@ -173,13 +174,18 @@ def barycentrics_of_hit(u: np.float32, v: np.float32) -> Barycentrics:
 
 
 @kernel
+def _corners(triangles, row: int):
+    return at(triangles, (row, 0)), at(triangles, (row, 1)), at(triangles, (row, 2))
+
+
+@kernel
 def _position(positions, row: int) -> Vec3:
-    return Vec3(positions[row, 0], positions[row, 1], positions[row, 2])
+    return Vec3(at(positions, (row, 0)), at(positions, (row, 1)), at(positions, (row, 2)))
 
 
 @kernel
 def _direction(attributes, place: int) -> Vec3:
-    return Vec3(attributes[place], attributes[place + 1], attributes[place + 2])
+    return Vec3(at(attributes, place), at(attributes, place + 1), at(attributes, place + 2))
 
 
 @kernel
@@ -189,13 +195,14 @@ def _mix3(a: Vec3, b: Vec3, c: Vec3, w: Barycentrics) -> Vec3:
 
 @kernel
 def _mix(attributes, p0: int, p1: int, p2: int, w: Barycentrics) -> np.float32:
-    return attributes[p0] * w.b0 + attributes[p1] * w.b1 + attributes[p2] * w.b2
+    return at(attributes, p0) * w.b0 + at(attributes, p1) * w.b1 + at(attributes, p2) * w.b2
 
 
 @kernel
 def _change(attributes, p0: int, p1: int, p2: int, db0: np.float32, db1: np.float32) -> np.float32:
     """The derivative of an attribute along a direction in which b0, b1 change so, and b2 = 1 - b0 - b1."""
-    return (attributes[p0] - attributes[p2]) * db0 + (attributes[p1] - attributes[p2]) * db1
+    last = at(attributes, p2)
+    return (at(attributes, p0) - last) * db0 + (at(attributes, p1) - last) * db1
 
 
 @kernel
@@ -205,46 +212,45 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     `scene_geometry` is (positions, triangles, attributes, slots); `triangle` counts from the mesh's first.
     """
     positions, triangles, attributes, slots = scene_geometry
-    row = mesh["triangle"] + triangle
-    i0, i1, i2 = triangles[row, 0], triangles[row, 1], triangles[row, 2]
+    i0, i1, i2 = _corners(triangles, mesh["triangle"] + triangle)
     start = mesh["position"]
     o0, o1, o2 = _position(positions, start + i0), _position(positions, start + i1), _position(positions, start + i2)
     m = instance["world_from_object"]
     position = transform_point(m, _mix3(o0, o1, o2, w))
-    reach = transformed_reach(
+    greatest = transformed_reach(
         m,
         max(abs(o0.x), max(abs(o1.x), abs(o2.x))),
         max(abs(o0.y), max(abs(o1.y), abs(o2.y))),
         max(abs(o0.z), max(abs(o1.z), abs(o2.z))),
     )
+    reach = spread(greatest, w.b0)
     a, b = o1 - o0, o2 - o0
-    n = transform_normal(instance, Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x))
+    n = spread3(transform_normal(instance, cross(a, b)), w.b0)
 
-    ns, tangent, sign, bulge = n, Vec3(ZERO, ZERO, ZERO), ONE, Vec3(ZERO, ZERO, ZERO)
+    zero = spread(ZERO, w.b0)
+    ns, tangent, sign, bulge = n, Vec3(zero, zero, zero), spread(ONE, w.b0), Vec3(zero, zero, zero)
     if mesh["normal"] >= 0:
         k0, k1, k2 = i0, i1, i2
         if mesh["normal_triangle"] >= 0:
-            k = mesh["normal_triangle"] + triangle
-            k0, k1, k2 = triangles[k, 0], triangles[k, 1], triangles[k, 2]
+            k0, k1, k2 = _corners(triangles, mesh["normal_triangle"] + triangle)
         p = mesh["normal"]
         n0, n1, n2 = _direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2)
         ns = transform_normal(instance, _mix3(n0, n1, n2, w))
         bulge = transform_vector(m, _bulge(_mix3(o0, o1, o2, w), o0, o1, o2, n0, n1, n2, w))
-        ns = ns if dot(ns, ns) > f32(0.5) else n
+        ns = where(dot(ns, ns) > f32(0.5), ns, n)
         if mesh["tangent"] >= 0:
             p = mesh["tangent"]
             along = _mix3(_direction(attributes, p + 4 * k0), _direction(attributes, p + 4 * k1), _direction(attributes, p + 4 * k2), w)
             tangent = transform_vector(m, along)
-            sign = -ONE if attributes[p + 4 * k0 + 3] < ZERO else ONE
+            sign = where(at(attributes, p + 4 * k0 + 3) < ZERO, -ONE, ONE)
             sign = -sign if instance["flipped"] != 0 else sign
 
-    u, v, u1, v1 = ZERO, ZERO, ZERO, ZERO
-    footprint = Footprint(ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+    u, v, u1, v1 = zero, zero, zero, zero
+    footprint = Footprint(zero, zero, zero, zero, zero, zero, zero, zero)
     if mesh["uv"] >= 0:
         k0, k1, k2 = i0, i1, i2
         if mesh["uv_triangle"] >= 0:
-            k = mesh["uv_triangle"] + triangle
-            k0, k1, k2 = triangles[k, 0], triangles[k, 1], triangles[k, 2]
+            k0, k1, k2 = _corners(triangles, mesh["uv_triangle"] + triangle)
         p = mesh["uv"]
         p0, p1, p2 = p + 2 * k0, p + 2 * k1, p + 2 * k2
         u, v = _mix(attributes, p0, p1, p2, w), _mix(attributes, p0 + 1, p1 + 1, p2 + 1, w)
@@ -260,9 +266,10 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
             du1dy, dv1dy = _change(attributes, p0, p1, p2, w.db0dy, w.db1dy), _change(attributes, p0 + 1, p1 + 1, p2 + 1, w.db0dy, w.db1dy)
             footprint = Footprint(dudx, dvdx, dudy, dvdy, du1dx, dv1dx, du1dy, dv1dy)
         else:
-            footprint = Footprint(dudx, dvdx, dudy, dvdy, ZERO, ZERO, ZERO, ZERO)
+            footprint = Footprint(dudx, dvdx, dudy, dvdy, zero, zero, zero, zero)
 
-    color, alpha = Color(ONE, ONE, ONE), ONE
+    alpha = spread(ONE, w.b0)
+    color = Color(alpha, alpha, alpha)
     if mesh["color"] >= 0:
         p = mesh["color"]
         p0, p1, p2 = p + 4 * i0, p + 4 * i1, p + 4 * i2
@@ -270,9 +277,9 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
         color = Color(r, g, _mix(attributes, p0 + 2, p1 + 2, p2 + 2, w))
         alpha = _mix(attributes, p0 + 3, p1 + 3, p2 + 3, w)
 
-    material = np.int64(instance["material"])
+    material = spread(np.int64(instance["material"]), w.b0)
     if mesh["slot"] >= 0:
-        material = material + slots[mesh["slot"] + triangle]
+        material = material + at(slots, mesh["slot"] + triangle)
     return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, bulge, reach)
 
 
@@ -290,10 +297,11 @@ def _bulge(p: Vec3, o0: Vec3, o1: Vec3, o2: Vec3, n0: Vec3, n1: Vec3, n2: Vec3, 
 @kernel
 def _tangent_of_triangle(m, a: Vec3, b: Vec3, attributes, p0: int, p1: int, p2: int):
     """The direction in which u grows, and whether v grows to its left (+1) or right (-1), constant over the triangle."""
-    du1, dv1 = attributes[p1] - attributes[p0], attributes[p1 + 1] - attributes[p0 + 1]
-    du2, dv2 = attributes[p2] - attributes[p0], attributes[p2 + 1] - attributes[p0 + 1]
+    u0, v0 = at(attributes, p0), at(attributes, p0 + 1)
+    du1, dv1 = at(attributes, p1) - u0, at(attributes, p1 + 1) - v0
+    du2, dv2 = at(attributes, p2) - u0, at(attributes, p2 + 1) - v0
     area = du1 * dv2 - du2 * dv1
-    sign = -ONE if area < ZERO else ONE
+    sign = where(area < ZERO, -ONE, ONE)
     # Scaled by the sign alone: only the direction counts, and a degenerate area must not blow it up.
     return transform_vector(m, (a * dv2 - b * dv1) * sign), sign
 
@@ -310,9 +318,10 @@ def with_normal(point: SurfacePoint, ns: Vec3) -> SurfacePoint:
 @kernel
 def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
     """Turn both normals to the side that is seen; a shading normal that looks away stays on the geometric one's side."""
-    n = point.n if dot(point.n, wo) >= ZERO else -point.n
-    bulge = point.bulge if dot(point.n, wo) >= ZERO else Vec3(ZERO, ZERO, ZERO)
-    ns = point.ns if dot(point.ns, n) >= ZERO else -point.ns
+    from_front = dot(point.n, wo) >= ZERO
+    n = where(from_front, point.n, -point.n)
+    bulge = where(from_front, point.bulge, Vec3(ZERO, ZERO, ZERO))
+    ns = where(dot(point.ns, n) >= ZERO, point.ns, -point.ns)
     return SurfacePoint(
         point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
         point.footprint, point.material, bulge, point.reach,

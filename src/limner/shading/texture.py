@@ -11,6 +11,7 @@ import numpy as np
 from .._jit import kernel
 from ..color.decode_table import SRGB_DECODE
 from ..kernel.elementary import floor, log2
+from ..kernel.lanes import any_of, at, four_bytes, highest, lowest, max, min, spread, to_float, to_int, where
 from ..kernel.vec import ONE, ZERO, Color
 from ..tables.layouts import ANISOTROPIC, BILINEAR, CLAMP, MIRROR, NEAREST, REPEAT, TRILINEAR
 from .anisotropy import probes_of_footprint, reduction_along
@@ -27,43 +28,41 @@ _LIMIT = f32(16777216.0)  # beyond it a float32 has no fraction left
 @kernel
 def _fold(x: np.float32, wrap: int) -> np.float32:
     """Bring a texture coordinate into [0, 1] as the wrap mode says; NaN gives 0."""
-    x = min(max(x, -_LIMIT), _LIMIT)
-    x = x if x == x else ZERO
+    x = where(x == x, min(max(x, -_LIMIT), _LIMIT), ZERO)
     if wrap == CLAMP:
         return min(max(x, ZERO), ONE)
     if wrap == MIRROR:
         half = x * _HALF
         back = (half - floor(half)) * _TWO
-        return back if back <= ONE else _TWO - back
+        return where(back <= ONE, back, _TWO - back)
     return x - floor(x)
 
 
 @kernel
 def _neighbour(i: int, n: int, wrap: int) -> int:
     """A texel index one step outside at most, as the wrap mode says (mirrored and clamped: the border texel again)."""
-    if i < 0:
-        return 0 if wrap != REPEAT else n - 1
-    if i >= n:
-        return n - 1 if wrap != REPEAT else 0
-    return i
+    if wrap == REPEAT:
+        return where(i < 0, i + n, where(i >= n, i - n, i))
+    return min(max(i, 0), n - 1)
 
 
 @kernel
-def _texel(texels, place: int, srgb: int):
-    """(Color, alpha) of one texel."""
-    r, g, b = texels[place], texels[place + 1], texels[place + 2]
-    alpha = f32(texels[place + 3]) * _TO_UNIT
+def _texel(texels, start: int, place: int, srgb: int):
+    """(Color, alpha) of the texel `place` of a picture that begins at byte `start`."""
+    word = four_bytes(texels, start, place)
+    r, g, b = word & 255, (word >> 8) & 255, (word >> 16) & 255
+    alpha = to_float((word >> 24) & 255) * _TO_UNIT
     if srgb != 0:
-        return Color(SRGB_DECODE[r], SRGB_DECODE[g], SRGB_DECODE[b]), alpha
-    return Color(f32(r) * _TO_UNIT, f32(g) * _TO_UNIT, f32(b) * _TO_UNIT), alpha
+        return Color(at(SRGB_DECODE, r), at(SRGB_DECODE, g), at(SRGB_DECODE, b)), alpha
+    return Color(to_float(r) * _TO_UNIT, to_float(g) * _TO_UNIT, to_float(b) * _TO_UNIT), alpha
 
 
 @kernel
 def _nearest(texture, texels, s: np.float32, t: np.float32):
     w, h = texture["width"], texture["height"]
-    i = min(int(s * f32(w)), w - 1)
-    j = min(int(t * f32(h)), h - 1)
-    return _texel(texels, texture["level"][0] + 4 * (j * w + i), texture["srgb"])
+    i = min(to_int(s * f32(w)), w - 1)
+    j = min(to_int(t * f32(h)), h - 1)
+    return _texel(texels, texture["level"][0], j * w + i, texture["srgb"])
 
 
 @kernel
@@ -72,16 +71,16 @@ def _four_texels(texture, texels, start: int, w: int, h: int, s: np.float32, t: 
     x, y = s * f32(w) - _HALF, t * f32(h) - _HALF
     fx, fy = floor(x), floor(y)
     a, b = x - fx, y - fy
-    i0, j0 = int(fx), int(fy)
+    i0, j0 = to_int(fx), to_int(fy)
     i1 = _neighbour(i0 + 1, w, texture["wrap_u"])
-    j1 = _neighbour(j0 + 1, h, texture["wrap_v"])
+    j1 = _neighbour(j0 + 1, h, texture["wrap_v"]) * w
     i0 = _neighbour(i0, w, texture["wrap_u"])
-    j0 = _neighbour(j0, h, texture["wrap_v"])
+    j0 = _neighbour(j0, h, texture["wrap_v"]) * w
     srgb = texture["srgb"]
-    c00, a00 = _texel(texels, start + 4 * (j0 * w + i0), srgb)
-    c10, a10 = _texel(texels, start + 4 * (j0 * w + i1), srgb)
-    c01, a01 = _texel(texels, start + 4 * (j1 * w + i0), srgb)
-    c11, a11 = _texel(texels, start + 4 * (j1 * w + i1), srgb)
+    c00, a00 = _texel(texels, start, j0 + i0, srgb)
+    c10, a10 = _texel(texels, start, j0 + i1, srgb)
+    c01, a01 = _texel(texels, start, j1 + i0, srgb)
+    c11, a11 = _texel(texels, start, j1 + i1, srgb)
     return c00, a00, c10, a10, c01, a01, c11, a11, a, b
 
 
@@ -112,7 +111,7 @@ def _level_of_detail(texture, dudx: np.float32, dvdx: np.float32, dudy: np.float
     along_x = dudx * dudx * w * w + dvdx * dvdx * h * h
     along_y = dudy * dudy * w * w + dvdy * dvdy * h * h
     longer = max(along_x, along_y)
-    return _HALF * log2(longer) if longer > ONE else ZERO
+    return where(longer > ONE, _HALF * log2(longer), ZERO)
 
 
 @kernel
@@ -120,13 +119,18 @@ def _trilinear(texture, texels, lod: np.float32, s: np.float32, t: np.float32):
     """Bilinear in the two mipmap levels around `lod`, mixed."""
     last = texture["n_levels"] - 1
     lod = min(lod, f32(last))
-    level = int(lod)
-    c, alpha = _bilinear(texture, texels, level, s, t)
-    b = lod - f32(level)
-    if b > ZERO and level < last:
-        coarse, coarse_alpha = _bilinear(texture, texels, level + 1, s, t)
-        return c * (ONE - b) + coarse * b, alpha * (ONE - b) + coarse_alpha * b
-    return c, alpha
+    level = floor(lod)
+    b = lod - level
+    fine_alpha, coarse_alpha = spread(ZERO, s), spread(ZERO, s)
+    fine, coarse = Color(fine_alpha, fine_alpha, fine_alpha), Color(fine_alpha, fine_alpha, fine_alpha)
+    # Level by level, since eight pixels may look into several of them.
+    for k in range(to_int(lowest(level)), min(to_int(highest(level)) + 1, last) + 1):
+        is_fine, is_coarse = level == f32(k), (level == f32(k - 1)) & (b > ZERO)
+        if any_of(is_fine | is_coarse):
+            c, alpha = _bilinear(texture, texels, k, s, t)
+            fine, fine_alpha = where(is_fine, c, fine), where(is_fine, alpha, fine_alpha)
+            coarse, coarse_alpha = where(is_coarse, c, coarse), where(is_coarse, alpha, coarse_alpha)
+    return fine * (ONE - b) + coarse * b, fine_alpha * (ONE - b) + coarse_alpha * b
 
 
 @kernel
@@ -136,28 +140,42 @@ def _in_level(texture, texels, level: int, s: np.float32, t: np.float32):
 
 
 @kernel
+def _in_two_levels(texture, texels, level: np.float32, b: np.float32, last: int, s: np.float32, t: np.float32):
+    """Between a level, a whole number, and the next one, as `_trilinear` does it but steadily."""
+    fine_alpha, coarse_alpha = spread(ZERO, s), spread(ZERO, s)
+    fine, coarse = Color(fine_alpha, fine_alpha, fine_alpha), Color(fine_alpha, fine_alpha, fine_alpha)
+    for k in range(to_int(lowest(level)), min(to_int(highest(level)) + 1, last) + 1):
+        is_fine, is_coarse = level == f32(k), (level == f32(k - 1)) & (b > ZERO)
+        if any_of(is_fine | is_coarse):
+            c, alpha = _in_level(texture, texels, k, s, t)
+            fine, fine_alpha = where(is_fine, c, fine), where(is_fine, alpha, fine_alpha)
+            coarse, coarse_alpha = where(is_coarse, c, coarse), where(is_coarse, alpha, coarse_alpha)
+    mixed, mixed_alpha = fine + (coarse - fine) * b, fine_alpha + (coarse_alpha - fine_alpha) * b
+    return where(b > ZERO, mixed, fine), where(b > ZERO, mixed_alpha, fine_alpha)
+
+
+@kernel
 def _anisotropic(texture, texels, u: np.float32, v: np.float32, change):
     """The mean of trilinear lookups along the longer axis of the pixel's footprint; (u, v) is not yet folded."""
     dudx, dvdx, dudy, dvdy = change
     probes = probes_of_footprint(dudx, dvdx, dudy, dvdy, f32(texture["width"]), f32(texture["height"]))
-    lod = min(probes.level, f32(texture["n_levels"] - 1))
-    level = int(lod)
-    b = lod - f32(level)
-    inverse = ONE / f32(max(1, probes.count - 1))
-    first, first_alpha = Color(ZERO, ZERO, ZERO), ZERO
-    more, more_alpha = Color(ZERO, ZERO, ZERO), ZERO
-    for k in range(probes.count):
+    last = texture["n_levels"] - 1
+    lod = min(probes.level, f32(last))
+    level = floor(lod)
+    b = lod - level
+    inverse = ONE / max(ONE, probes.count - ONE)
+    first_alpha, more_alpha = spread(ZERO, u), spread(ZERO, u)
+    first, more = Color(first_alpha, first_alpha, first_alpha), Color(first_alpha, first_alpha, first_alpha)
+    for k in range(to_int(highest(probes.count))):
         place = f32(k) * inverse - _HALF
         s = _fold(u + probes.du * place, texture["wrap_u"])
         t = _fold(v + probes.dv * place, texture["wrap_v"])
-        c, alpha = _in_level(texture, texels, level, s, t)
-        if b > ZERO:
-            coarse, coarse_alpha = _in_level(texture, texels, level + 1, s, t)
-            c, alpha = c + (coarse - c) * b, alpha + (coarse_alpha - alpha) * b
+        c, alpha = _in_two_levels(texture, texels, level, b, last, s, t)
         if k == 0:
             first, first_alpha = c, alpha
-        more, more_alpha = more + (c - first), more_alpha + (alpha - first_alpha)
-    share = ONE / f32(probes.count)
+        counts = f32(k) < probes.count
+        more, more_alpha = where(counts, more + (c - first), more), where(counts, more_alpha + (alpha - first_alpha), more_alpha)
+    share = ONE / probes.count
     return first + more * share, first_alpha + more_alpha * share
 
 
@@ -171,30 +189,40 @@ def _in_copy(texture, texels, column: int, row: int, s: np.float32, t: np.float3
 
 
 @kernel
-def _in_row(texture, texels, across: np.float32, row: int, s: np.float32, t: np.float32):
+def _in_row(texture, texels, column: np.float32, a: np.float32, row: int, s: np.float32, t: np.float32):
     """Two neighbours of a ripmap's row of copies, mixed."""
-    column = int(across)
-    a = across - f32(column)
-    c, alpha = _in_copy(texture, texels, column, row, s, t)
-    if a > ZERO:
-        narrow, narrow_alpha = _in_copy(texture, texels, column + 1, row, s, t)
-        return c + (narrow - c) * a, alpha + (narrow_alpha - alpha) * a
-    return c, alpha
+    last = texture["n_columns"] - 1
+    wide_alpha, narrow_alpha = spread(ZERO, s), spread(ZERO, s)
+    wide, narrow = Color(wide_alpha, wide_alpha, wide_alpha), Color(wide_alpha, wide_alpha, wide_alpha)
+    for k in range(to_int(lowest(column)), min(to_int(highest(column)) + 1, last) + 1):
+        is_wide, is_narrow = column == f32(k), (column == f32(k - 1)) & (a > ZERO)
+        if any_of(is_wide | is_narrow):
+            c, alpha = _in_copy(texture, texels, k, row, s, t)
+            wide, wide_alpha = where(is_wide, c, wide), where(is_wide, alpha, wide_alpha)
+            narrow, narrow_alpha = where(is_narrow, c, narrow), where(is_narrow, alpha, narrow_alpha)
+    mixed, mixed_alpha = wide + (narrow - wide) * a, wide_alpha + (narrow_alpha - wide_alpha) * a
+    return where(a > ZERO, mixed, wide), where(a > ZERO, mixed_alpha, wide_alpha)
 
 
 @kernel
 def _ripmap(texture, texels, s: np.float32, t: np.float32, change):
     """Bilinear in each of the four copies around the footprint's extents along u and v, and bilinear among these (FoCG 11.3.3)."""
     dudx, dvdx, dudy, dvdy = change
+    last = texture["n_rows"] - 1
     across = min(reduction_along(dudx, dudy, f32(texture["width"])), f32(texture["n_columns"] - 1))
-    up = min(reduction_along(dvdx, dvdy, f32(texture["height"])), f32(texture["n_rows"] - 1))
-    row = int(up)
-    b = up - f32(row)
-    c, alpha = _in_row(texture, texels, across, row, s, t)
-    if b > ZERO:
-        low, low_alpha = _in_row(texture, texels, across, row + 1, s, t)
-        return c + (low - c) * b, alpha + (low_alpha - alpha) * b
-    return c, alpha
+    up = min(reduction_along(dvdx, dvdy, f32(texture["height"])), f32(last))
+    column, row = floor(across), floor(up)
+    a, b = across - column, up - row
+    high_alpha, low_alpha = spread(ZERO, s), spread(ZERO, s)
+    high, low = Color(high_alpha, high_alpha, high_alpha), Color(high_alpha, high_alpha, high_alpha)
+    for k in range(to_int(lowest(row)), min(to_int(highest(row)) + 1, last) + 1):
+        is_high, is_low = row == f32(k), (row == f32(k - 1)) & (b > ZERO)
+        if any_of(is_high | is_low):
+            c, alpha = _in_row(texture, texels, column, a, k, s, t)
+            high, high_alpha = where(is_high, c, high), where(is_high, alpha, high_alpha)
+            low, low_alpha = where(is_low, c, low), where(is_low, alpha, low_alpha)
+    mixed, mixed_alpha = high + (low - high) * b, high_alpha + (low_alpha - high_alpha) * b
+    return where(b > ZERO, mixed, high), where(b > ZERO, mixed_alpha, high_alpha)
 
 
 @kernel

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.vec import ZERO, Vec3, dot, normalize
+from ..kernel.lanes import spread, where
+from ..kernel.vec import ONE, ZERO, Vec3, dot, normalize
 from ..tables.layouts import ORTHOGRAPHIC, PLANE, SPHERE
 from .analytic import analytic_at, hit_analytic, view_ray
 from .surface import SurfacePoint, barycentrics_at, surface_at, transform_point, transform_vector
@@ -27,7 +28,7 @@ def is_analytic(instance) -> bool:
 def direction_to_eye(camera, p: Vec3) -> Vec3:
     """wo: from a point to the eye, unit."""
     if camera["kind"] == ORTHOGRAPHIC:
-        return Vec3(-camera["gaze"][0], -camera["gaze"][1], -camera["gaze"][2])
+        return Vec3(spread(-camera["gaze"][0], p.x), -camera["gaze"][1], -camera["gaze"][2])
     return normalize(Vec3(camera["position"][0], camera["position"][1], camera["position"][2]) - p)
 
 
@@ -37,7 +38,7 @@ def _seen_from_behind(instance, v0, v1, v2, x: np.float32, y: np.float32) -> boo
     ax, ay, bx, by = v0[0] - x * v0[3], v0[1] - y * v0[3], v1[0] - x * v1[3], v1[1] - y * v1[3]
     cx, cy = v2[0] - x * v2[3], v2[1] - y * v2[3]
     area = (bx * cy - by * cx) + (cx * ay - cy * ax) + (ax * by - ay * bx)
-    return area > ZERO if instance["flipped"] != 0 else area < ZERO
+    return area * where(instance["flipped"] != 0, -ONE, ONE) < ZERO
 
 
 @kernel
@@ -48,14 +49,12 @@ def visible_point(scene, camera, instance_id: int, triangle: int, v0, v1, v2, x:
     if is_analytic(instance):
         ray = view_ray(camera, x, y)
         t = hit_analytic(instance, ray.o, ray.d, camera["near"], camera["far"])
-        if _seen_from_behind(instance, v0, v1, v2, x, y):
-            behind = hit_analytic(instance, ray.o, ray.d, t + abs(t) * _STEP, camera["far"])
-            t = behind if behind < _INFINITY else t
-        if t == _INFINITY:
-            # The ray grazes the silhouette: its closest point to the centre will do.
-            m = instance["object_from_world"]
-            o, d = transform_point(m, ray.o), transform_vector(m, ray.d)
-            t = -dot(o, d) / dot(d, d)
+        behind = hit_analytic(instance, ray.o, ray.d, t + abs(t) * _STEP, camera["far"])
+        t = where(_seen_from_behind(instance, v0, v1, v2, x, y) & (behind < _INFINITY), behind, t)
+        # The ray grazes the silhouette: its closest point to the centre will do.
+        m = instance["object_from_world"]
+        o, d = transform_point(m, ray.o), transform_vector(m, ray.d)
+        t = where(t == _INFINITY, -dot(o, d) / dot(d, d), t)
         return analytic_at(instance, ray, t)
     w = barycentrics_at(x, y, v0, v1, v2)
     return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w)

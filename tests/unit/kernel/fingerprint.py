@@ -20,23 +20,8 @@ from compiled import door_of, over
 
 from limner._door import Array
 from limner.kernel import elementary, frame, rng, sampler, vec, warp
-from limner.kernel.lanes import (
-    floor8,
-    lane,
-    load8,
-    mask_less,
-    mask_less_equal,
-    max8,
-    min8,
-    reduce_max8,
-    reduce_min8,
-    select8,
-    splat8,
-    sqrt8,
-    store8,
-    to_float8,
-    to_int8,
-)
+from limner.kernel.elementary import floor, sqrt
+from limner.kernel.lanes import highest, lane, load8, lowest, max, min, splat8, store8, to_float, to_int, where
 
 _N = 400
 _EDGES = [
@@ -86,9 +71,9 @@ def _lanes(x, y, out):
     n = x.shape[0] // 8 * 8
     for k in range(0, n, 8):
         a, b = load8(x, k), load8(y, k)
-        chosen = select8(mask_less(a, b) ^ mask_less_equal(b, splat8(1.0)), a * b + a, sqrt8(a) / b)
-        folded = max8(min8(a, b), floor8(chosen)) - to_float8(to_int8(b))
-        store8(out, k, folded + splat8(reduce_min8(a) + reduce_max8(b) + lane(chosen, 3)))
+        chosen = where((a < b) ^ (b <= np.float32(1.0)), a * b + a, sqrt(a) / b)
+        folded = max(min(a, b), floor(chosen)) - to_float(to_int(b))
+        store8(out, k, folded + splat8(lowest(a) + highest(b) + lane(chosen, 3)))
         store8(out, n + k, chosen)
 
 

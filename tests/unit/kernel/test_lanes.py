@@ -6,29 +6,34 @@ import numpy as np
 from compiled import door_of
 
 from limner._door import Array
+from limner._jit import kernel
+from limner.kernel.elementary import atan2, cos, exp2, f32, floor, log2, power, sin, sqrt
 from limner.kernel.lanes import (
+    all_of,
+    any_of,
+    at,
     count_set,
     first_set,
-    floor8,
+    four_bytes,
+    highest,
     lane,
+    lanes_of,
     load8,
-    mask_equal,
-    mask_greater,
-    mask_greater_equal,
-    mask_less,
-    mask_less_equal,
-    max8,
-    min8,
-    reduce_max8,
-    reduce_min8,
-    select8,
+    long8,
+    lowest,
+    mask_of,
+    max,
+    min,
+    put,
     splat8,
     splat8_int,
-    sqrt8,
+    spread,
     store8,
-    to_float8,
-    to_int8,
+    to_float,
+    to_int,
+    where,
 )
+from limner.kernel.vec import ONE, ZERO, Color, Vec3, dot, max_component, normalize, reflect
 
 _NASTY = np.array(
     [0, -0.0, 1, -1, np.inf, -np.inf, np.nan, 1e-45, 3e38, -3e38, 0.1, 2.5, -2.5, 1e10, -1e10, 2147483648.0], np.float32
@@ -52,21 +57,21 @@ def _arithmetic(a, b, out):
         store8(out, 2 * n + k, x * y)
         store8(out, 3 * n + k, x / y)
         store8(out, 4 * n + k, -x)
-        store8(out, 5 * n + k, min8(x, y))
-        store8(out, 6 * n + k, max8(x, y))
-        store8(out, 7 * n + k, sqrt8(x))
-        store8(out, 8 * n + k, floor8(x))
-        store8(out, 9 * n + k, select8(mask_less(x, y), x, y))
+        store8(out, 5 * n + k, min(x, y))
+        store8(out, 6 * n + k, max(x, y))
+        store8(out, 7 * n + k, sqrt(x))
+        store8(out, 8 * n + k, floor(x))
+        store8(out, 9 * n + k, where(x < y, x, y))
 
 
 def test_arithmetic_rounds_each_lane_like_a_scalar() -> None:
-    """Every operation equals NumPy's on float32; minimum and maximum give the second operand where a comparison fails."""
+    """Every operation equals NumPy's on float32; minimum and maximum give the first operand where a comparison fails, as Python's do."""
     a, b = _pairs()
     out = np.zeros(10 * len(a), np.float32)
     door_of(_arithmetic, FLOATS, FLOATS, FLOATS)(a, b, out)
     with np.errstate(all="ignore"):
-        least, most = np.where(a < b, a, b), np.where(a > b, a, b)
-        expected = [a + b, a - b, a * b, a / b, -a, least, most, np.sqrt(a), np.floor(a), least]
+        least, most = np.where(b < a, b, a), np.where(b > a, b, a)
+        expected = [a + b, a - b, a * b, a / b, -a, least, most, np.sqrt(a), np.floor(a), np.where(a < b, a, b)]
     for row, (got, want) in enumerate(zip(out.reshape(10, -1), expected, strict=True)):
         np.testing.assert_array_equal(got, want, err_msg=str(row))
         zero = want == 0.0
@@ -77,11 +82,11 @@ def _masks(a, b, out):
     n = a.shape[0] // 8
     for k in range(n):
         x, y = load8(a, 8 * k), load8(b, 8 * k)
-        out[k] = mask_less(x, y)
-        out[n + k] = mask_less_equal(x, y)
-        out[2 * n + k] = mask_greater(x, y)
-        out[3 * n + k] = mask_greater_equal(x, y)
-        out[4 * n + k] = mask_equal(x, y)
+        out[k] = mask_of(x < y)
+        out[n + k] = mask_of(x <= y)
+        out[2 * n + k] = mask_of(x > y)
+        out[3 * n + k] = mask_of(x >= y)
+        out[4 * n + k] = mask_of(x == y)
 
 
 def test_masks_have_a_bit_for_each_lane_and_nan_compares_false() -> None:
@@ -115,7 +120,7 @@ def test_first_and_count_of_every_mask() -> None:
 
 def _selections(a, b, masks, out):
     for k in range(masks.shape[0]):
-        store8(out, 8 * k, select8(masks[k], load8(a, 0), load8(b, 0)))
+        store8(out, 8 * k, where(lanes_of(masks[k]), load8(a, 0), load8(b, 0)))
 
 
 def test_select_takes_each_lane_by_its_bit() -> None:
@@ -134,8 +139,8 @@ def _reductions(a, out):
     n = a.shape[0] // 8
     for k in range(n):
         v = load8(a, 8 * k)
-        out[k] = reduce_min8(v)
-        out[n + k] = reduce_max8(v)
+        out[k] = lowest(v)
+        out[n + k] = highest(v)
         out[2 * n + k] = lane(v, k % 8)
         out[3 * n + k] = lane(splat8(out[k]) + v, 7)
 
@@ -164,10 +169,10 @@ def _integers(a, b, out):
         store8(out, 4 * n + k, x | y)
         store8(out, 5 * n + k, x ^ y)
         store8(out, 6 * n + k, -x)
-        store8(out, 7 * n + k, min8(x, y))
-        store8(out, 8 * n + k, max8(x, splat8_int(lane(y, 0))))
-        out[9 * n + k] = mask_less(x, y)
-        out[9 * n + k + 1] = reduce_min8(x)
+        store8(out, 7 * n + k, min(x, y))
+        store8(out, 8 * n + k, max(x, splat8_int(lane(y, 0))))
+        out[9 * n + k] = mask_of(x < y)
+        out[9 * n + k + 1] = lowest(x)
 
 
 def test_integer_lanes_wrap_like_int32() -> None:
@@ -189,9 +194,9 @@ def test_integer_lanes_wrap_like_int32() -> None:
 
 def _conversions(a, integers, back):
     for k in range(0, a.shape[0], 8):
-        n = to_int8(load8(a, k))
+        n = to_int(load8(a, k))
         store8(integers, k, n)
-        store8(back, k, to_float8(n))
+        store8(back, k, to_float(n))
 
 
 def test_conversions_truncate_and_what_does_not_fit_is_the_least_integer() -> None:
@@ -223,7 +228,7 @@ _NODE = np.dtype([("near", np.float32, 8), ("child", np.int32, 8)], align=True)
 def _records(nodes, out):
     for k in range(nodes.shape[0]):
         node = nodes[k]
-        x = load8(node["near"], 0) + to_float8(load8(node["child"], 0))
+        x = load8(node["near"], 0) + to_float(load8(node["child"], 0))
         store8(out[k], 0, x)
 
 
@@ -235,3 +240,61 @@ def test_loads_from_a_record_and_stores_to_a_row() -> None:
     out = np.zeros((5, 8), np.float32)
     door_of(_records, Array(_NODE, 1), Array(np.float32, 2))(nodes, out)
     np.testing.assert_array_equal(out, nodes["near"] + nodes["child"])
+
+
+@kernel
+def _formula(x, y, table, k):
+    """What shading does: vectors, choices, elementary functions, tables."""
+    n = normalize(Vec3(x, y, ONE))
+    c = Color(x, y, ONE) * power(max(ZERO, dot(n, reflect(Vec3(y, ONE, x), n))), f32(3.5))
+    turned = where((x > ZERO) & (y < x), sin(x), cos(y) + atan2(x, y))
+    bright = spread(ZERO, x)
+    if any_of(x > f32(0.5)):
+        bright = where(x > f32(0.5), log2(abs(x)) * exp2(y), bright)
+    if all_of(y > f32(10.0)):
+        bright = -bright
+    folded = x - floor(x) + to_float(min(to_int(y * f32(3.0)), 2))
+    return max_component(where(x < y, c, Color(ONE, x, ZERO))) + turned + bright + folded * at(table, (k, 1))
+
+
+def _one_and_eight(a, b, table, rows, one, eight):
+    for k in range(a.shape[0]):
+        one[k] = _formula(a[k], b[k], table, np.int64(rows[k]))
+    for k in range(0, a.shape[0], 8):
+        store8(eight, k, _formula(load8(a, k), load8(b, k), table, load8(rows, k)))
+
+
+def test_a_formula_of_eight_is_the_formula_of_one() -> None:
+    """The same kernel, called with numbers and with lanes: the same bits."""
+    rng = np.random.default_rng(5)
+    a, b = rng.normal(size=(2, 1024)).astype(np.float32)
+    table, rows = rng.normal(size=(10, 3)).astype(np.float32), rng.integers(0, 10, 1024).astype(np.int32)
+    one, eight = np.zeros(1024, np.float32), np.zeros(1024, np.float32)
+    door_of(_one_and_eight, FLOATS, FLOATS, Array(np.float32, 2), MASKS, FLOATS, FLOATS)(a, b, table, rows, one, eight)
+    assert np.ptp(one) > 1.0
+    np.testing.assert_array_equal(one.view(np.int32), eight.view(np.int32))
+
+
+def _memory(rows, data, out, scattered):
+    index = load8(rows, 0)
+    store8(out, 0, four_bytes(data, 4, index))
+    store8(out, 8, at(data, index))
+    out[16] = four_bytes(data, 4, 1)
+    out[17] = at(data, 5)
+    put(scattered, index, index * 10 + 1)
+    wide = long8(index + 65536) * long8(index + 65536)
+    out[18] = mask_of(wide > 2**32 + 3 * 2**18)
+
+
+def test_gathers_scatters_and_long_lanes() -> None:
+    """Bytes as numbers and as words, the first one lowest; products beyond 32 bits."""
+    rows = np.array([3, 0, 7, 1, 1, 6, 2, 5], np.int32)
+    data = np.random.default_rng(6).integers(0, 256, 64).astype(np.uint8)
+    out, scattered = np.zeros(24, np.int32), np.zeros(8, np.int32)
+    door_of(_memory, MASKS, Array(np.uint8, 1), MASKS, MASKS)(rows, data, out, scattered)
+    words = data[4:].view("<i4")
+    np.testing.assert_array_equal(out[:8], words[rows])
+    np.testing.assert_array_equal(out[8:16], data[rows])
+    assert (out[16], out[17]) == (words[1], data[5])
+    np.testing.assert_array_equal(scattered, [1, 11, 21, 31, 0, 51, 61, 71])
+    assert out[18] == np.packbits((rows.astype(np.int64) + 65536) ** 2 > 2**32 + 3 * 2**18, bitorder="little")[0]

@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from .image.image import Image
     from .mesh.mesh import Mesh
     from .produce import dataset
+    from .produce.stages import stages
     from .produce.thumbnails import thumbnails
     from .produce.turntable import turntable, write_turntable
     from .produce.views import views
+    from .produce.wireframe import wireframe
     from .progress import Progress
     from .raycaster import RayCaster
     from .render import Renderer, render
@@ -80,9 +82,11 @@ __all__ = [
     "load",
     "open_image",
     "render",
+    "stages",
     "thumbnails",
     "turntable",
     "views",
+    "wireframe",
     "write_turntable",
 ]
 
@@ -94,9 +98,11 @@ _HOMES = {
     "files.open_image": ("open_image",),
     "image.image": ("Image",),
     "mesh.mesh": ("Mesh",),
+    "produce.stages": ("stages",),
     "produce.thumbnails": ("thumbnails",),
     "produce.turntable": ("turntable", "write_turntable"),
     "produce.views": ("views",),
+    "produce.wireframe": ("wireframe",),
     "progress": ("Progress",),
     "raycaster": ("RayCaster",),
     "render": ("Renderer", "render"),

@@ -59,7 +59,8 @@ class Scalar(NamedTuple):
 Signature: TypeAlias = tuple[Array | Scalar, ...]
 
 _registry: dict[str, Door] = {}
-_DECLARING = ("limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe")  # what declares doors, when imported
+# What declares doors, when imported
+_DECLARING = ("limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages")
 
 
 def doors() -> dict[str, Door]:

@@ -316,6 +316,83 @@ def views(talk: Talk, /, **options: Any) -> None:
     make_views(order, talk)
 
 
+@limner.command(short_help="Show what each stage of the graphics pipeline makes of a model, on one sheet.")
+@click.argument("model")
+@click.option("-o", "--output", metavar="OUT", help="The picture file; may be left out with --json.")
+@click.option("--width", type=click.IntRange(320, 1600), default=400, show_default=True, help="Of each panel, pixels.")
+@click.option("--height", type=click.IntRange(160, 1600), help="Of each panel.  [default: three quarters of the width]")
+@click.option("--samples", type=click.IntRange(2, 64), default=16, show_default=True, help="In each pixel of the finished picture.")
+@click.option("--camera", metavar="NAME|INDEX", help="A camera of the model, by name or number from 0.  [default: one that shows all]")
+@click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
+@click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
+@click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
+@click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell the numbers as JSON on standard output.")
+@_voice
+@click.pass_obj
+def stages(talk: Talk, /, **options: Any) -> None:
+    """Show what each stage of the graphics pipeline makes of MODEL: lines, clipping, coverage, depth, shading, texture, antialiasing.
+
+    \b
+        limner stages model.glb -o stages.png
+        limner stages teapot -o stages.png --json         vertices, triangles, fragments, pixels, overdraw, mipmap levels
+    """
+    from .stages import Order, make_stages
+
+    height = options.pop("height") or round(0.75 * options["width"])
+    order = Order(height=height, **options)
+    if order.output is None and not order.as_json:
+        raise click.UsageError("nothing was asked for: give -o, --json or both")
+    if order.output == "-" and order.as_json:
+        raise click.UsageError("--json and -o - both want standard output")
+    _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
+    make_stages(order, talk)
+
+
+@limner.command(short_help="Draw a model as lines, hidden ones left out: a picture or SVG.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="A picture file or .svg; - is a PNG on standard output.")
+@click.option("--edges", type=click.Choice(["all", "features"]), default="all", show_default=True, help="All, or outlines and creases.")
+@click.option(
+    "--crease", type=click.FloatRange(0.0, 180.0), default=30.0, show_default=True, metavar="DEG",
+    help="With --edges features: by how much a surface turns at a crease, degrees.",
+)  # fmt: skip
+@click.option("--color", default="black", show_default=True, metavar="COLOR", help="Of the lines: black, white, #RRGGBB or #RRGGBBAA.")
+@click.option("--line-width", type=click.FloatRange(0.0, 1000.0, min_open=True), default=1.0, show_default=True, help="Pixels.")
+@click.option("--hidden", metavar="COLOR", help="Draw the hidden lines, too, thinner and in this colour, such as #c8ccd2.")
+@click.option("--shaded", is_flag=True, help="Draw the lines over the shaded model.")
+@click.option("--background", type=BACKGROUND, default="white", show_default=True, help="transparent, white, gray, #RRGGBB or R,G,B.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
+@click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
+@click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
+@click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
+@click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
+@click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="Of --shaded.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Of --shaded.  [default: the renderer's]")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@_voice
+@click.pass_obj
+def wireframe(talk: Talk, /, **options: Any) -> None:
+    """Draw MODEL as lines. What surfaces hide is left out, unless --hidden says how to draw it.
+
+    \b
+        limner wireframe part.glb -o part.png
+        limner wireframe part.stl -o part.svg --edges features --hidden "#c8ccd2"       a technical drawing
+        limner wireframe part.glb -o mesh.png --shaded --color "#00000080"              lines over the shaded model
+    """
+    from .wireframe import Order, make_wireframe
+
+    order = Order(**options)
+    if order.background == "environment":
+        raise click.UsageError("--background environment makes no sense here: transparent, a name, #RRGGBB or R,G,B")
+    _check_size(order.width, order.height)
+    _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
+    make_wireframe(order, talk)
+
+
 @limner.command(short_help="Make a picture of every model in a folder.")
 @click.argument("folder")
 @click.option("-o", "--output", required=True, metavar="FOLDER", help="For the pictures; is made where it is not there.")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -20,7 +20,28 @@ if TYPE_CHECKING:
     from ..scene.camera import Camera
     from ..scene.scene import Scene
 
-__all__ = ["Order", "make_picture"]
+__all__ = ["Order", "Sight", "chosen_camera", "make_picture"]
+
+
+class Sight(Protocol):
+    """What a command line says about the camera."""
+
+    @property
+    def model(self) -> str: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def camera(self) -> str | None: ...
+    @property
+    def eye(self) -> Triple | None: ...
+    @property
+    def target(self) -> Triple | None: ...
+    @property
+    def up(self) -> Triple | None: ...
+    @property
+    def yfov(self) -> float | None: ...
 
 
 @dataclass(frozen=True)
@@ -112,7 +133,7 @@ def _with_origin(image: Image, order: Order) -> Image:
     return replace(image, recipe=recipe.with_values(**told))
 
 
-def chosen_camera(order: Order, scene: Scene) -> Camera | None:
+def chosen_camera(order: Sight, scene: Scene) -> Camera | None:
     """The camera that the command line means; None: it does not say."""
     if order.eye is not None:
         from ..scene.camera import PerspectiveCamera

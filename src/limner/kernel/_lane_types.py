@@ -19,7 +19,7 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, models, regist
 __all__ = [
     "BOOL_LANES", "FLOAT_LANES", "INT_LANES", "all_of", "any_of", "at", "count_set", "first_set", "four_bytes", "highest", "int32",
     "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "register", "splat8", "splat8_int", "spread", "spread_value",
-    "store8", "to_float", "to_int", "where",
+    "store8", "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
 _I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
@@ -385,6 +385,19 @@ highest = _reduction(">", "The number itself, or the greatest of eight (of lanes
 
 
 @intrinsic  # type: ignore[misc]
+def sum8(typingctx: Any, v: Any) -> Any:
+    """The sum of eight integers."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        total = _I32(0)
+        for k in range(_EIGHT):
+            total = builder.add(total, builder.extract_element(args[0], _I32(k)))
+        return total
+
+    return (types.int32(INT_LANES), lower) if v == INT_LANES else None
+
+
+@intrinsic  # type: ignore[misc]
 def int32(typingctx: Any, a: Any) -> Any:
     """A number, which must fit, as int32, towards zero; integers lose their upper bits."""
     if isinstance(a, types.Number):
@@ -547,7 +560,24 @@ def at(typingctx: Any, array: Any, index: Any) -> Any:
     return kind(array, wanted), lower
 
 
+def _gather_words(builder: Any, base: Any, lanes: Any, kind: _LaneType) -> Any:
+    """Eight 32-bit elements: one instruction where the CPU has one that is worth it."""
+    element = kind.vector.element
+    wide = builder.sext(lanes, LONG_LANES.vector)
+    pointers_type = ir.VectorType(ir.PointerType(element), _EIGHT)
+    # llvmlite builds addresses from single numbers only; LLVM takes lanes in the same place.
+    pointers = builder.gep(base, [_I64(0)])
+    pointers.indices, pointers.type = [wide], pointers_type
+    name = f"llvm.masked.gather.v8{'f' if kind == FLOAT_LANES else 'i'}32.v8p0"
+    function_type = ir.FunctionType(kind.vector, [pointers_type, _I32, BOOL_LANES.vector, kind.vector])
+    function = cgutils.get_or_insert_function(builder.module, function_type, name)
+    everywhere = ir.Constant(BOOL_LANES.vector, [1] * _EIGHT)
+    return builder.call(function, [pointers, _I32(1), everywhere, ir.Constant(kind.vector, ir.Undefined)])
+
+
 def _gather(builder: Any, base: Any, lanes: Any, array: Any, kind: _LaneType) -> Any:
+    if array.dtype in (types.float32, types.int32):
+        return _gather_words(builder, base, lanes, kind)
     made = ir.Constant(kind.vector, ir.Undefined)
     for k in range(_EIGHT):
         offset = builder.sext(builder.extract_element(lanes, _I32(k)), _I64)
@@ -574,11 +604,7 @@ def four_bytes(typingctx: Any, array: Any, start: Any, index: Any) -> Any:
 
         if not eight:
             return word(args[2])
-        made = ir.Constant(INT_LANES.vector, ir.Undefined)
-        for k in range(_EIGHT):
-            offset = builder.sext(builder.extract_element(args[2], _I32(k)), _I64)
-            made = builder.insert_element(made, word(offset), _I32(k))
-        return made
+        return _gather_words(builder, base, args[2], INT_LANES)
 
     kind = INT_LANES if eight else types.int32
     return kind(array, types.int64, INT_LANES if eight else types.int64), lower

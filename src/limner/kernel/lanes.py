@@ -31,7 +31,7 @@ from .._jit import MODE
 
 __all__ = [
     "ALL_LANES", "all_of", "any_of", "at", "bool8", "count_set", "f32x8", "first_set", "four_bytes", "highest", "i32x8", "i64x8",
-    "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "splat8", "splat8_int", "spread", "store8",
+    "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "splat8", "splat8_int", "spread", "store8", "sum8",
     "to_float", "to_int", "where",
 ]  # fmt: skip
 
@@ -202,6 +202,7 @@ if MODE == "compiled":
         splat8_int,
         spread,
         store8,
+        sum8,
         to_float,
         to_int,
         where,
@@ -299,6 +300,10 @@ else:
         places = np.int64(start) + 4 * np.int64(index.values if isinstance(index, _Lanes) else index)
         words = array[places[..., None] + np.arange(4)].astype("<u1").view("<i4")[..., 0]
         return i32x8(words) if isinstance(index, _Lanes) else np.int32(words)
+
+    def sum8(v: i32x8) -> np.int32:
+        """The sum of eight integers."""
+        return np.int32(v.values.sum(dtype=np.int32))
 
     def int32(a: Any) -> Any:
         """A number, which must fit, as int32, towards zero; integers lose their upper bits."""

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.lanes import at, f32x8, i32x8, load8, put, splat8, splat8_int, spread, where
+from ..kernel.lanes import all_of, at, f32x8, i32x8, lane, load8, max, min, put, splat8, splat8_int, spread, store8, where
 from ..kernel.vec import ONE, ZERO, Color, normalize
 from ..shading.analytic import view_ray
 from ..shading.bsdf import resolve
@@ -21,9 +21,9 @@ from ..shading.sky import ambient_from_sky, sky_radiance
 from ..shading.surface import Barycentrics, SurfacePoint, barycentrics_at, flip_to_front, surface_at, with_normal
 from ..shading.visible import direction_to_eye, visible_point
 from ..tables.layouts import AMBIENT_LIGHT
-from .layouts import PER_TRIANGLE, PER_VERTEX
+from .layouts import INSTANCE_WORD, MATERIAL_WORD, PER_TRIANGLE, PER_VERTEX, TRIANGLE_WORD
 
-__all__ = ["Fragments", "add_fragment", "shade_fragments"]
+__all__ = ["Fragments", "shade_fragments"]
 
 f32, i32 = np.float32, np.int32
 _THIRD = f32(1.0 / 3.0)
@@ -31,11 +31,12 @@ _COUNTING = np.arange(8, dtype=np.int32)
 
 
 class Fragments(NamedTuple):
-    """What is to be shaded, in the order of the pixels, and what came of it: arrays with room for 8 more than there can be."""
+    """What is to be shaded, in the order of the pixels, and what came of it: arrays with room for 16 more than there can be."""
 
     surface: np.ndarray  # int32: row of the screen triangle; -1: what lies behind everything
     triangle: np.ndarray  # int32: of the instance's mesh
     pixel: np.ndarray  # int32: place in the tile
+    place: np.ndarray  # int32: row of the film
     group: np.ndarray  # int32: which of the groups it belongs to
     order: np.ndarray  # int32: the fragments, group by group
     first: np.ndarray  # int32: of each group, its first fragment in `order`; one more at the end
@@ -49,23 +50,15 @@ class Fragments(NamedTuple):
     alpha: np.ndarray
 
 
-@kernel
-def add_fragment(fragments: Fragments, n: int, surface: int, pixel: int, x: np.float32, y: np.float32, weight: np.float32) -> int:
-    """Append a fragment to n others. Returns how many there are."""
-    fragments.surface[n], fragments.pixel[n] = surface, pixel
-    fragments.x[n], fragments.y[n], fragments.weight[n] = x, y, weight
-    return n + 1
-
-
 # --- groups ---------------------------------------------------------------------------------------------------------------
 
 
 @kernel
 def _shown(screen, surface: int):
-    """(instance, material) of what a fragment shows."""
-    if surface < 0:
-        return i32(-1), i32(-1)
-    return screen[surface]["instance"], screen[surface]["material"]
+    """(instance, material) of what a fragment shows, or eight do; -2 for what lies behind everything."""
+    held = max(surface, 0)
+    instance = where(surface < 0, -2, at(screen, (held, INSTANCE_WORD)))
+    return instance, where(surface < 0, -2, at(screen, (held, MATERIAL_WORD)))
 
 
 @kernel
@@ -74,10 +67,10 @@ def _find_group(fragments: Fragments, screen, instance: int, material: int, n_gr
     mask = fragments.table.shape[0] - 1
     place = ((instance * 73856093) ^ (material * 19349663)) & mask
     while fragments.table[place] >= 0:
-        group = fragments.table[place]
+        group = np.int64(fragments.table[place])
         of_instance, of_material = _shown(screen, np.int64(fragments.surface[fragments.first[group]]))
         if of_instance == instance and of_material == material:
-            return np.int64(group)
+            return group
         place = (place + 1) & mask
     fragments.table[place] = n_groups
     return n_groups
@@ -85,26 +78,32 @@ def _find_group(fragments: Fragments, screen, instance: int, material: int, n_gr
 
 @kernel
 def _number_groups(fragments: Fragments, n: int, screen) -> int:
-    """Give each fragment the number of its group, in the order in which groups appear. Returns how many there are.
+    """Give each fragment its triangle and the number of its group, in the order in which groups appear. Returns how many there are.
 
     `first` holds the first fragment of each.
     """
     n_groups, last_group = 0, 0
-    last_instance, last_material = i32(-2), i32(-2)
-    for k in range(n):
-        surface = np.int64(fragments.surface[k])
-        instance, material = _shown(screen, surface)
-        if instance != last_instance or material != last_material:
-            if n_groups == 0:
-                for place in range(fragments.table.shape[0]):
-                    fragments.table[place] = -1
-            last_instance, last_material = instance, material
-            last_group = _find_group(fragments, screen, np.int64(instance), np.int64(material), n_groups)
-            if last_group == n_groups:
-                fragments.first[n_groups] = k
-                n_groups += 1
-        fragments.group[k] = last_group
-        fragments.triangle[k] = screen[surface]["triangle"] if surface >= 0 else i32(-1)
+    last_instance, last_material = -3, -3
+    for start in range(0, n, 8):
+        surface = load8(fragments.surface, start)
+        instances, materials = _shown(screen, surface)
+        store8(fragments.triangle, start, at(screen, (max(surface, 0), TRIANGLE_WORD)))
+        store8(fragments.group, start, splat8_int(last_group))
+        if all_of((instances == last_instance) & (materials == last_material)):
+            continue
+        for k in range(start, min(start + 8, n)):
+            instance, material = np.int64(lane(instances, k - start)), np.int64(lane(materials, k - start))
+            if instance != last_instance or material != last_material:
+                if n_groups == 1:
+                    for place in range(fragments.table.shape[0]):
+                        fragments.table[place] = -1
+                    _find_group(fragments, screen, last_instance, last_material, 0)
+                last_instance, last_material = instance, material
+                last_group = _find_group(fragments, screen, instance, material, n_groups) if n_groups > 0 else 0
+                if last_group == n_groups:
+                    fragments.first[n_groups] = k
+                    n_groups += 1
+            fragments.group[k] = last_group
     return n_groups
 
 
@@ -172,6 +171,14 @@ def _vertex(vertices, row: i32x8):
 
 
 @kernel
+def _vertices(vertices, triangles, row: i32x8, start: int):
+    """The homogeneous raster vertices of the triangles at some rows of the table."""
+    v0 = _vertex(vertices, at(triangles, (row, 0)) + start)
+    v1 = _vertex(vertices, at(triangles, (row, 1)) + start)
+    return v0, v1, _vertex(vertices, at(triangles, (row, 2)) + start)
+
+
+@kernel
 def _shade_eight(instance_id: int, material_id: int, triangle: i32x8, x: f32x8, y: f32x8, camera, scene, lighting, frame, frequency: int):
     """(radiance, alpha) of eight points of an instance's triangles at raster points (x, y), shaded there, at the vertices, or once each."""
     instances, meshes, _, triangles, _, _, materials, _, _, _ = scene
@@ -179,14 +186,19 @@ def _shade_eight(instance_id: int, material_id: int, triangle: i32x8, x: f32x8, 
     instance, material = instances[instance_id], materials[material_id]
     if frequency == PER_TRIANGLE:
         return _shade(_corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True), material, camera, scene, lighting)
-    row = triangle + meshes[instance["mesh"]]["triangle"]
-    start = first_vertex[instance_id]
-    v0 = _vertex(vertices, at(triangles, (row, 0)) + start)
-    v1 = _vertex(vertices, at(triangles, (row, 1)) + start)
-    v2 = _vertex(vertices, at(triangles, (row, 2)) + start)
+    first_row, start = np.int64(meshes[instance["mesh"]]["triangle"]), first_vertex[instance_id]
+    only = np.int64(lane(triangle, 0))
     if frequency == PER_VERTEX:
+        v0, v1, v2 = _vertices(vertices, triangles, triangle + first_row, start)
         return _gouraud(instance, triangle, barycentrics_at(x, y, v0, v1, v2), material, camera, scene, lighting)
-    return _shade(visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y), material, camera, scene, lighting)
+    if all_of(triangle == only):
+        # A triangle that is seen in many pixels need be fetched once only.
+        v0, v1, v2 = _vertices(vertices, triangles, only + first_row, start)
+        point = visible_point(scene, camera, instance_id, only, v0, v1, v2, x, y)
+    else:
+        v0, v1, v2 = _vertices(vertices, triangles, triangle + first_row, start)
+        point = visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y)
+    return _shade(point, material, camera, scene, lighting)
 
 
 @kernel
@@ -199,18 +211,28 @@ def _behind(x: f32x8, y: f32x8, lighting, background, camera):
 
 
 @kernel
+def _chosen(fragments: Fragments, k: int, last: int, is_sorted: bool):
+    """The places of eight fragments from `k` on, of which `last` is the last; lanes beyond it do its work again."""
+    if is_sorted:
+        return min(load8(_COUNTING, 0) + k, last)
+    return at(fragments.order, min(load8(_COUNTING, 0) + k, last))
+
+
+@kernel
 def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background):
-    """Fill the radiance and alpha of the first n fragments."""
+    """Fill the radiance and alpha of the first n fragments. `screen` (n, words) int32: the screen triangles as plain numbers."""
     n_groups = _number_groups(fragments, n, screen)
-    _sort_groups(fragments, n, n_groups)
-    order = fragments.order
+    is_sorted = n_groups <= 1
+    if is_sorted:
+        fragments.first[0], fragments.first[n_groups] = 0, n
+    else:
+        _sort_groups(fragments, n, n_groups)
     for group in range(n_groups):
-        begin, end = fragments.first[group], fragments.first[group + 1]
-        surface = np.int64(fragments.surface[order[begin]])
+        begin, end = np.int64(fragments.first[group]), np.int64(fragments.first[group + 1])
+        surface = np.int64(fragments.surface[begin if is_sorted else np.int64(fragments.order[begin])])
         instance_id, material_id = _shown(screen, surface)
         for k in range(begin, end, 8):
-            # Lanes beyond the last fragment do its work again.
-            chosen = where(load8(_COUNTING, 0) < end - k, load8(order, k), splat8_int(order[end - 1]))
+            chosen = _chosen(fragments, k, end - 1, is_sorted)
             x, y = at(fragments.x, chosen), at(fragments.y, chosen)
             if surface < 0:
                 c, alpha = _behind(x, y, lighting, background, camera)
@@ -219,7 +241,13 @@ def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lightin
                 c, alpha = _shade_eight(
                     np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency
                 )
-            put(fragments.r, chosen, c.r)
-            put(fragments.g, chosen, c.g)
-            put(fragments.b, chosen, c.b)
-            put(fragments.alpha, chosen, alpha)
+            if is_sorted:
+                store8(fragments.r, k, c.r)
+                store8(fragments.g, k, c.g)
+                store8(fragments.b, k, c.b)
+                store8(fragments.alpha, k, alpha)
+            else:
+                put(fragments.r, chosen, c.r)
+                put(fragments.g, chosen, c.g)
+                put(fragments.b, chosen, c.b)
+                put(fragments.alpha, chosen, alpha)

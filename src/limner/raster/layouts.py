@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
-    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INT_ROWS", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE",
-    "SUBPIXELS",
+    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INSTANCE_WORD", "INT_ROWS", "MATERIAL_WORD", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE",
+    "SUBPIXELS", "TRIANGLE_WORD",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -17,7 +17,7 @@ PER_FRAGMENT, PER_VERTEX, PER_TRIANGLE = 0, 1, 2
 SUBPIXELS = 256
 """Screen vertices lie on a grid of 1/256 pixel, where edge functions are exact integers."""
 
-FLOAT_ROWS, INT_ROWS = 14, 10
+FLOAT_ROWS, INT_ROWS = 14, 11
 """Rows of scratch memory that a tile needs."""
 
 GUARD_BAND = f32(1 << 19)
@@ -46,6 +46,14 @@ SCREEN_TRIANGLE = np.dtype(
     ],
     align=True,
 )
+
+def _word(field: str) -> int:
+    offset: int = SCREEN_TRIANGLE.fields[field][1]  # type: ignore[index]
+    return offset // 4
+
+
+INSTANCE_WORD, MATERIAL_WORD, TRIANGLE_WORD = _word("instance"), _word("material"), _word("triangle")
+"""Where a screen triangle has these, if it is taken as a row of int32."""
 
 CUT = np.dtype(
     [

@@ -72,8 +72,8 @@ _DRAW = Door(
     "draw_tile",
     (
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1),
-        Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), _I64, _I64, _I64,
-        Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.float32, 3),
+        Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), Array(np.int32, 2), _I64, _I64, _I64, _I64,
+        Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.float32, 2),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
     ),
     "the raster renderer",
@@ -168,12 +168,14 @@ def prepare(
     """
     height, width = film.shape[:2]
     vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note)
+    words = bins.screen.view(np.int32).reshape(len(bins.screen), SCREEN_TRIANGLE.itemsize // 4)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
         scratch = _scratch(tile_size * tile_size * (8 if multisample and not has_blend else 1))
         return _DRAW.bind(
-            *tables, *lighting, view.camera, *vertices, *bins, has_blend, multisample, frequency, sample_places, background, *scratch, film
+            *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, background,
+            *scratch, film.reshape(-1, 4),
         )
 
     kernel = PerThread(bound)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.lanes import any_of, load8
+from ..kernel.lanes import ALL_LANES, count_set, first_set, lane, lanes_of, load8, mask_of, splat8, store8, sum8, to_float, where
 from ..kernel.vec import ONE, ZERO
 from ..tables.layouts import PERSPECTIVE
 from .fill import eight_pixels, eight_samples, fill_opaque, fill_transparent
-from .fragment import Fragments, add_fragment, shade_fragments
+from .fragment import Fragments, shade_fragments
 from .layouts import SUBPIXELS
 
 __all__ = ["draw_tile", "farthest_depth"]
 
 f32, i32 = np.float32, np.int32
 _GRID_STEP = f32(1.0 / SUBPIXELS)
+_COUNTING = np.arange(8, dtype=np.int32)
 _MAX_LAYERS = 64
 _NOTHING = i32(-1)
 _NEAREST_POSSIBLE = f32(3e38)
@@ -34,15 +35,15 @@ def _clear(depth, seen, farthest: np.float32, n: int):
 
 
 @kernel
-def _add(film, i: int, j: int, r: np.float32, g: np.float32, b: np.float32, alpha: np.float32):
-    film[j, i, 0] += r
-    film[j, i, 1] += g
-    film[j, i, 2] += b
-    film[j, i, 3] += alpha
+def _add(film, place: int, r: np.float32, g: np.float32, b: np.float32, alpha: np.float32):
+    film[place, 0] += r
+    film[place, 1] += g
+    film[place, 2] += b
+    film[place, 3] += alpha
 
 
 @kernel
-def _leave_empty(window, background, samples: int, film):
+def _leave_empty(window, background, samples: int, width: int, film):
     """A tile that nothing touches; sample by sample, so that it has the bits of a pixel that merely sees nothing."""
     if background[3] == ZERO:
         return
@@ -50,24 +51,38 @@ def _leave_empty(window, background, samples: int, film):
     for _ in range(samples):
         for j in range(window[1], window[1] + window[3]):
             for i in range(window[0], window[0] + window[2]):
-                _add(film, i, j, r, g, b, alpha)
+                _add(film, j * width + i, r, g, b, alpha)
 
 
 @kernel
-def _list_seen(fragments: Fragments, seen, window, ox: int, oy: int, shows_behind: bool) -> int:
+def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int, shows_behind: bool) -> int:
     """List what one sample of every pixel sees. Returns how many fragments there are."""
     n = 0
     fx, fy = f32(ox) * _GRID_STEP, f32(oy) * _GRID_STEP
+    counting = load8(_COUNTING, 0)
     for j in range(window[3]):
-        start = j * window[2]
         y = f32(window[1] + j) + fy
         for i0 in range(0, window[2], 8):
-            if not shows_behind and not any_of(load8(seen, start + i0) >= 0):
+            pixel, place = j * window[2] + i0, (window[1] + j) * width + window[0] + i0
+            surface = load8(seen, pixel)
+            listed = mask_of(((surface >= 0) | shows_behind) & (counting < window[2] - i0))
+            if listed == 0:
                 continue
-            for i in range(i0, min(i0 + 8, window[2])):
-                surface = np.int64(seen[start + i])
-                if surface >= 0 or shows_behind:
-                    n = add_fragment(fragments, n, surface, start + i, f32(window[0] + i) + fx, y, ONE)
+            x = to_float(counting + (window[0] + i0)) + fx
+            if listed == ALL_LANES:
+                store8(fragments.surface, n, surface)
+                store8(fragments.pixel, n, counting + pixel)
+                store8(fragments.place, n, counting + place)
+                store8(fragments.x, n, x)
+                store8(fragments.y, n, splat8(y))
+                n += 8
+                continue
+            while listed != 0:
+                k = np.int64(first_set(listed))
+                listed = listed & (listed - 1)
+                fragments.surface[n], fragments.pixel[n], fragments.place[n] = lane(surface, k), pixel + k, place + k
+                fragments.x[n], fragments.y[n] = lane(x, k), y
+                n += 1
     return n
 
 
@@ -88,7 +103,7 @@ def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, ne
 @kernel
 def _supersample(
     screen, binned, first, last, window, ox, oy, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background, floats,
-    ints, fragments: Fragments, film,
+    ints, fragments: Fragments, words, width, film,
 ):  # fmt: skip
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, last_depth, next_depth = floats[0], floats[1], floats[2]
@@ -108,59 +123,54 @@ def _supersample(
                 screen, binned, first, last, window, pattern, camera, scene, frame, depth, last_depth, last_seen, next_depth, next_seen
             ):
                 break
-            count = _list_seen(fragments, next_seen, window, ox, oy, False)
-            shade_fragments(fragments, count, screen, camera, scene, lighting, frame, frequency, background)
+            count = _list_seen(fragments, next_seen, window, width, ox, oy, False)
+            shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
-    count = _list_seen(fragments, seen, window, ox, oy, shows_behind or has_blend != 0)
-    shade_fragments(fragments, count, screen, camera, scene, lighting, frame, frequency, background)
+    count = _list_seen(fragments, seen, window, width, ox, oy, shows_behind or has_blend != 0)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
     for k in range(count):
-        p = np.int64(fragments.pixel[k])
-        i, j = window[0] + p % window[2], window[1] + p // window[2]
         r, g, b, alpha = fragments.r[k], fragments.g[k], fragments.b[k], fragments.alpha[k]
         # Of an opaque surface alpha is 1, whatever its texture says.
         alpha = ONE if fragments.surface[k] >= 0 else alpha
         if has_blend != 0:
+            p = fragments.pixel[k]
             t = layers[3][p]
             r, g, b = layers[0][p] + r * t, layers[1][p] + g * t, layers[2][p] + b * t
             alpha = (ONE - t) + t * alpha
-        _add(film, i, j, r, g, b, alpha)
+        _add(film, np.int64(fragments.place[k]), r, g, b, alpha)
 
 
 @kernel
-def _list_surfaces(fragments: Fragments, seen, places, samples: int, window, shows_behind: bool) -> int:
+def _list_surfaces(fragments: Fragments, seen, places, samples: int, window, width: int, shows_behind: bool) -> int:
     """List the surfaces that the samples of each pixel see, each once, in the middle of the samples that it covers."""
     n = 0
+    column, row = load8(places, 0), load8(places, 8)
+    taken = (1 << samples) - 1
     for j in range(window[3]):
         for i in range(window[2]):
             pixel = j * window[2] + i
-            place = 8 * pixel
-            if not shows_behind and not any_of(load8(seen, place) >= 0):
-                continue
-            for s in range(samples):
-                surface = seen[place + s]
-                count, ox, oy = 0, 0, 0
-                for k in range(samples):
-                    if seen[place + k] == surface:
-                        if k < s:
-                            count = 0
-                            break  # done with the first of its samples
-                        count += 1
-                        ox += places[k]
-                        oy += places[8 + k]
-                if count > 0 and (surface >= 0 or shows_behind):
-                    weight = f32(count)
-                    x = f32(window[0] + i) + f32(ox) * _GRID_STEP / weight
-                    y = f32(window[1] + j) + f32(oy) * _GRID_STEP / weight
-                    n = add_fragment(fragments, n, np.int64(surface), pixel, x, y, weight)
-                if count == samples:
-                    break
+            surfaces = load8(seen, 8 * pixel)
+            left = np.int64(mask_of((surfaces >= 0) | shows_behind)) & taken
+            while left != 0:
+                surface = lane(surfaces, first_set(left))
+                same = np.int64(mask_of(surfaces == surface)) & left
+                left = left & ~same
+                weight = f32(count_set(same))
+                covered = lanes_of(same)
+                ox, oy = sum8(where(covered, column, 0)), sum8(where(covered, row, 0))
+                fragments.surface[n], fragments.pixel[n] = surface, pixel
+                fragments.place[n] = (window[1] + j) * width + window[0] + i
+                fragments.x[n] = f32(window[0] + i) + f32(ox) * _GRID_STEP / weight
+                fragments.y[n] = f32(window[1] + j) + f32(oy) * _GRID_STEP / weight
+                fragments.weight[n] = weight
+                n += 1
     return n
 
 
 @kernel
 def _multisample(
     screen, binned, first, last, window, sample_places, first_sample, last_sample, shows_behind, camera, scene, lighting, frame, frequency,
-    background, floats, ints, fragments: Fragments, film,
+    background, floats, ints, fragments: Fragments, words, width, film,
 ):  # fmt: skip
     """Up to eight samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
     depth, seen, places = floats[0], ints[0], ints[9]
@@ -174,25 +184,24 @@ def _multisample(
     _clear(depth, seen, farthest_depth(camera), 8 * n)
     pattern = eight_samples(places, samples, low, high)
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
-    count = _list_surfaces(fragments, seen, places, samples, window, shows_behind)
-    shade_fragments(fragments, count, screen, camera, scene, lighting, frame, frequency, background)
+    count = _list_surfaces(fragments, seen, places, samples, window, width, shows_behind)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
     for k in range(count):
-        p, weight = np.int64(fragments.pixel[k]), fragments.weight[k]
-        i, j = window[0] + p % window[2], window[1] + p // window[2]
+        place, weight = np.int64(fragments.place[k]), fragments.weight[k]
         alpha = ONE if fragments.surface[k] >= 0 else fragments.alpha[k]
-        _add(film, i, j, fragments.r[k] * weight, fragments.g[k] * weight, fragments.b[k] * weight, alpha * weight)
+        _add(film, place, fragments.r[k] * weight, fragments.g[k] * weight, fragments.b[k] * weight, alpha * weight)
 
 
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, has_blend,
-    multisample, frequency, sample_places, background, floats, ints, table, film,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
+    multisample, width, frequency, sample_places, background, floats, ints, table, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
-    """Draw some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom.
+    """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
 
-    bin_range (tiles + 1): where each tile's triangles stand in `binned`. sample_places (n, 2) int32: on the subpixel grid.
+    bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the subpixel grid.
     multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
     (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
     """
@@ -204,22 +213,22 @@ def draw_tile(
     first, last = bin_range[tile], bin_range[tile + 1]
     shows_behind = header[0]["sky_visible"] != 0 or background[3] != ZERO
     if first == last and header[0]["sky_visible"] == 0:
-        _leave_empty(window, background, last_sample - first_sample, film)
+        _leave_empty(window, background, last_sample - first_sample, width, film)
         return
     fragments = Fragments(
-        ints[3], ints[4], ints[5], ints[6], ints[7], ints[8], table,
+        ints[3], ints[4], ints[5], ints[6], ints[7], ints[8], ints[10], table,
         floats[3], floats[4], floats[5], floats[6], floats[7], floats[8], floats[9],
     )  # fmt: skip
     if multisample != 0 and has_blend == 0:
         for start in range(first_sample, last_sample, 8):
             _multisample(
                 screen, binned, first, last, window, sample_places, start, min(start + 8, last_sample), shows_behind, camera, scene,
-                lighting, frame, frequency, background, floats, ints, fragments, film,
+                lighting, frame, frequency, background, floats, ints, fragments, words, width, film,
             )  # fmt: skip
         return
     for s in range(first_sample, last_sample):
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
             screen, binned, first, last, window, ox, oy, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background,
-            floats, ints, fragments, film,
+            floats, ints, fragments, words, width, film,
         )  # fmt: skip

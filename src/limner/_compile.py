@@ -14,6 +14,7 @@ import copy
 from collections.abc import Callable
 from typing import Any
 
+import llvmlite.binding as llvm
 import numba
 import numpy as np
 from numba.core import types
@@ -24,6 +25,8 @@ from numba.core.compiler_lock import global_compiler_lock
 from ._door import Array, Scalar, Signature
 
 __all__ = ["compile_door", "inner_kernel"]
+
+ENTRY = "limner_entry"
 
 
 class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -39,22 +42,42 @@ class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
 class _DoorLibrary(JITCodeLibrary):  # type: ignore[misc]
     """Everything below a door, optimised as a whole, never run in this process's Numba."""
 
-    entry_name: str | None = None
+    kernel_name: str | None = None
 
     def _optimize_final_module(self) -> None:
-        if self.entry_name is None:
+        if self.kernel_name is None:
             super()._optimize_final_module()
             return
+        kernel = self._final_module.get_function(self.kernel_name)
+        self._final_module.link_in(llvm.parse_assembly(_entry_of_slots(kernel)), preserve=True)
         # Nobody else calls what stands below the door: only so may LLVM drop the arguments that a kernel passes on but never reads.
         # Measured: the raster renderer took 1.7 times as long without.
         for function in self._final_module.functions:
-            if not function.is_declaration and function.name != self.entry_name:
+            if not function.is_declaration and function.name != ENTRY:
                 function.linkage = "internal"
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
 
     def _finalize_final_module(self) -> None:
         self._finalized = True
+
+
+def _entry_of_slots(kernel: Any) -> str:
+    """LLVM text of a function that takes one address, reads a kernel's arguments from there, eight bytes each, and calls it.
+
+    Python hands over one number in place of some hundred.
+    """
+    kinds = [str(argument.type) for argument in kernel.arguments]
+    lines = []
+    for k, kind in enumerate(kinds):
+        lines += [f"%a{k} = getelementptr i64, ptr %slots, i64 {k}", f"%v{k} = load {kind}, ptr %a{k}"]
+    values = ", ".join(f"{kind} %v{k}" for k, kind in enumerate(kinds))
+    body = "\n".join([*lines, f"%status = call i32 @{_quoted(kernel.name)}({values})", "ret i32 %status"])
+    return f"declare i32 @{_quoted(kernel.name)}({', '.join(kinds)})\ndefine i32 @{ENTRY}(ptr %slots) {{\n{body}\n}}\n"
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"'
 
 
 class _Uncallable(dict):  # type: ignore[type-arg]
@@ -121,8 +144,9 @@ def compile_door(function: Any, signature: Signature) -> tuple[bytes, str]:
     dispatcher = numba.njit(pipeline_class=_DoorPipeline, **_OPTIONS)(python_function)
     dispatcher.compile(types.void(*(_numba_type(kind) for kind in signature)))
     (result,) = dispatcher.overloads.values()
-    result.library.entry_name = result.fndesc.llvm_func_name
+    library = result.library
+    library.kernel_name = result.fndesc.llvm_func_name
     with global_compiler_lock:
-        result.library.finalize()
-        code = result.library.codegen._tm.emit_object(result.library._final_module)
-    return bytes(code), str(result.fndesc.llvm_func_name)
+        library.finalize()
+        code = library.codegen._tm.emit_object(library._final_module)
+    return bytes(code), ENTRY

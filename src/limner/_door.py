@@ -24,6 +24,7 @@ import logging
 import operator
 import os
 import re
+import struct
 import tempfile
 import threading
 import time
@@ -88,6 +89,8 @@ class Door:
         self._entry: Callable[..., int] | None = None
         self._python: Callable[..., Any] | None = None
         self._keep: Any = None
+        # Where what a kernel returns and what it raises go: nothing, both.
+        self._nowhere = ctypes.c_int64()
         _registry[self.name] = self
 
     def __call__(self, *arguments: Any) -> None:
@@ -99,19 +102,35 @@ class Door:
         self.open()
         head = self._converted(arguments, self.signature)
         rest = self.signature[len(arguments) :]
+        if self._python is not None:
+            return self._bound_python(arguments, head, rest)
+        packed, form = _packer(self.signature[: len(arguments)]).pack(*head), _packer(rest)
+        first, size, entry = _RESULT_SLOTS + len(packed), _RESULT_SLOTS + len(packed) + form.size, self._entry
+        packed = struct.pack("QQ", *[ctypes.addressof(self._nowhere)] * 2) + packed
+        has_integers_only = all(isinstance(kind, Scalar) and np.dtype(kind.dtype).kind == "i" for kind in rest)
+        assert entry is not None
 
         def call(*more: Any) -> None:
-            # `arguments` is held by this function: the arrays must outlive the addresses in `head`.
+            # `arguments` is held by this function: the arrays must outlive the addresses in `packed`.
             if len(more) != len(rest):
                 raise self._wrong_count(len(arguments) + len(more))
-            values = [*head, *self._converted(more, rest)]
-            if self._python is not None:
-                with np.errstate(all="ignore"):
-                    self._python(*values)
-                return
-            assert self._entry is not None
-            returned = ctypes.c_void_p()
-            self._entry(ctypes.byref(returned), ctypes.byref(returned), *values)
+            slots = ctypes.create_string_buffer(size)
+            ctypes.memmove(slots, packed, first)
+            try:
+                form.pack_into(slots, first, *(more if has_integers_only else self._converted(more, rest)))
+            except struct.error:
+                form.pack_into(slots, first, *self._converted(more, rest))
+            entry(ctypes.addressof(slots))
+
+        return call
+
+    def _bound_python(self, arguments: tuple[Any, ...], head: list[Any], rest: Signature) -> Callable[..., None]:
+        def call(*more: Any) -> None:
+            if len(more) != len(rest):
+                raise self._wrong_count(len(arguments) + len(more))
+            assert self._python is not None
+            with np.errstate(all="ignore"):
+                self._python(*head, *self._converted(more, rest))
 
         return call
 
@@ -145,7 +164,7 @@ class Door:
                 found = compile_door(getattr(importlib.import_module(self.module), self.function), self.signature)
                 _log.info("compiled %s in %.1f s", self.what, time.perf_counter() - started)
                 _write(path, *found)
-            self._entry, self._keep = _load(*found, self.signature)
+            self._entry, self._keep = _load(*found)
 
     def is_cached(self) -> bool:
         """Whether opening it compiles nothing."""
@@ -197,22 +216,18 @@ def _flatten(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
     """The machine values of one argument; an array has owner, parent, size, item size, data, shape, strides (numba.core)."""
     (checked,) = _checked(value, kind, name)
     if isinstance(kind, Scalar):
-        return [_CTYPES[checked.dtype.char](checked.item())]
-    return [None, None, checked.size, checked.itemsize, checked.ctypes.data, *checked.shape, *checked.strides]
+        return [checked.item()]
+    return [0, 0, checked.size, checked.itemsize, checked.ctypes.data, *checked.shape, *checked.strides]
 
 
-_CTYPES: dict[str, Any] = {"q": ctypes.c_int64, "l": ctypes.c_int64, "f": ctypes.c_float, "d": ctypes.c_double}
+_RESULT_SLOTS = 16
+_SLOTS = {"q": "q", "l": "q", "f": "f4x", "d": "d"}
 
 
-def _argument_types(signature: Signature) -> list[Any]:
-    types: list[Any] = [ctypes.c_void_p, ctypes.c_void_p]
-    for kind in signature:
-        if isinstance(kind, Scalar):
-            types.append(_CTYPES[np.dtype(kind.dtype).char])
-        else:
-            types += [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
-            types += [ctypes.c_int64] * (2 * kind.ndim)
-    return types
+def _packer(signature: Signature) -> struct.Struct:
+    """How arguments lie in memory for `limner._compile`'s entry: eight bytes for each machine value."""
+    parts = (_SLOTS[np.dtype(k.dtype).char] if isinstance(k, Scalar) else "QQqqQ" + "q" * (2 * k.ndim) for k in signature)
+    return struct.Struct("=" + "".join(parts))
 
 
 # --- machine code ---------------------------------------------------------------------------------------------------------
@@ -220,7 +235,7 @@ def _argument_types(signature: Signature) -> list[Any]:
 _engines_lock = threading.Lock()
 
 
-def _load(code: bytes, symbol: str, signature: Signature) -> tuple[Callable[..., int], Any]:
+def _load(code: bytes, symbol: str) -> tuple[Callable[..., int], Any]:
     import llvmlite.binding as llvm
 
     with _engines_lock:
@@ -231,7 +246,7 @@ def _load(code: bytes, symbol: str, signature: Signature) -> tuple[Callable[...,
         engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()
         address = engine.get_function_address(symbol)
-    return ctypes.CFUNCTYPE(ctypes.c_int32, *_argument_types(signature))(address), engine
+    return ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)(address), engine
 
 
 def _machine() -> bytes:

@@ -2,10 +2,12 @@
 
 All samples of a pixel are added in their order, whatever tiles and passes they come in, so that a picture made at once, refined step by
 step, or stopped and gone on with, has the same bits. A part that has taken fewer samples than the rest, because the user stopped, is
-divided by its own number.
+divided by its own number. A film can be used again: what the last picture left is wiped off part by part, when it is in the way.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +18,13 @@ from .tiles import Tile, run_all, tiles_of
 
 __all__ = ["Film"]
 
-_ROWS: Signature = (Array(np.float32, 3), Array(np.float32, 1), *[Scalar(np.int64)] * 4)
-_DEVELOP = Door("limner.film_kernel", "develop_rows", (*_ROWS, Array(np.float32, 3), Array(np.int64, 1)), "developing")
+_TILE: Signature = (Array(np.float32, 2), Scalar(np.int64), Scalar(np.float32), *[Scalar(np.int64)] * 4)
+_BAD: Signature = (Array(np.int64, 1), Scalar(np.int64))
+_DEVELOP = Door("limner.film_kernel", "develop_tile", (*_TILE, Array(np.float32, 1), *_BAD), "developing")
 _ENCODE = Door(
     "limner.film_kernel",
-    "encode_rows",
-    (*_ROWS, Array(np.uint16, 1), Array(np.float32, 1), Array(np.uint8, 3), Array(np.int64, 1)),
+    "encode_tile",
+    (*_TILE, Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), *_BAD),
     "developing for screens",
 )
 
@@ -45,44 +48,67 @@ class Film:
     """
 
     def __init__(self, width: int, height: int, tile_size: int) -> None:
-        self._tile_size = tile_size
         self.sums = np.zeros((height, width, 4), dtype=np.float32)
         self.tiles: list[Tile] = tiles_of(width, height, tile_size)
         self.taken = np.zeros(len(self.tiles), dtype=np.int64)
+        self._exposed = [False] * len(self.tiles)
+
+    def expose(self, tile: Tile, work: Callable[[Tile, int, int], object], first: int, last: int) -> None:
+        """Add samples first..last to a tile by `work`, which returns False where there was nothing to add."""
+        if first == 0 and self._exposed[tile.number]:
+            _, i, j, columns, rows = tile
+            self.sums[j : j + rows, i : i + columns] = 0.0
+            self._exposed[tile.number] = False
+        if work(tile, first, last) is not False:
+            self._exposed[tile.number] = True
+        self.taken[tile.number] = last
+
+    def developing(self) -> tuple[NDArray[np.float32], Callable[[Tile], None], NDArray[np.int64]]:
+        """The picture, (height, width, 4) float32, straight alpha, row 0 on top, yet to be filled; what fills a tile; what was bad.
+
+        The last is how many pixels of each tile are not finite and became black.
+        """
+        pixels = np.zeros_like(self.sums)
+        return pixels, *self._by(_DEVELOP, pixels.reshape(-1))
+
+    def encoding(self) -> tuple[NDArray[np.uint8], Callable[[Tile], None], NDArray[np.int64]]:
+        """The same as a screen wants it, (height, width, 4) uint8: what `Image.to_uint8` makes of it, at once."""
+        words = np.zeros(self.sums.shape[:2], dtype=np.int32)
+        table = srgb_codes()
+        return words.view(np.uint8).reshape(self.sums.shape), *self._by(_ENCODE, table.code, table.change, words.reshape(-1))
+
+    def _by(self, door: Door, *arrays: NDArray[np.generic]) -> tuple[Callable[[Tile], None], NDArray[np.int64]]:
+        bad = np.zeros(len(self.tiles), dtype=np.int64)
+        sums, width = self.sums.reshape(-1, 4), self.sums.shape[1]
+
+        def fill(tile: Tile) -> None:
+            if self._exposed[tile.number]:
+                share = np.float32(1.0 / max(self.taken[tile.number], 1))
+                door(sums, width, share, *tile[1:], *arrays, bad, tile.number)
+
+        return fill, bad
 
     def developed(self, threads: int = 1) -> tuple[NDArray[np.float32], tuple[str, ...]]:
         """The picture so far, (height, width, 4) float32, straight alpha, row 0 on top; and what is wrong with it.
 
         Pixels that are not finite become black, and are told of with the place of one of them.
         """
-        pixels = np.empty_like(self.sums)
-        bad = np.zeros(len(self.sums), dtype=np.int64)
-        run_all(lambda rows: _DEVELOP(self.sums, *self._shares(), *rows, pixels, bad), self._bands(), threads)
-        return pixels, self._slips(bad)
+        pixels, fill, bad = self.developing()
+        run_all(fill, self.tiles, threads)
+        return pixels, self.slips(bad)
 
     def encoded(self, threads: int = 1) -> tuple[NDArray[np.uint8], tuple[str, ...]]:
-        """The same as a screen wants it, (height, width, 4) uint8: what `Image.to_uint8` makes of it, at once."""
-        encoded = np.empty(self.sums.shape, dtype=np.uint8)
-        bad = np.zeros(len(self.sums), dtype=np.int64)
-        table = srgb_codes()
-        run_all(lambda rows: _ENCODE(self.sums, *self._shares(), *rows, table.code, table.change, encoded, bad), self._bands(), threads)
-        return encoded, self._slips(bad)
+        """The same as a screen wants it, (height, width, 4) uint8."""
+        encoded, fill, bad = self.encoding()
+        run_all(fill, self.tiles, threads)
+        return encoded, self.slips(bad)
 
-    def _bands(self) -> list[tuple[int, int]]:
-        height = len(self.sums)
-        step = max(16, -(-height // 8))
-        return [(first, min(first + step, height)) for first in range(0, height, step)]
-
-    def _shares(self) -> tuple[NDArray[np.float32], int, int]:
-        """One over the number of samples of each tile, 0 where there are none; the side of a tile, and tiles in a row."""
-        shares = (1.0 / np.maximum(self.taken, 1)).astype(np.float32)
-        shares[self.taken == 0] = 0.0
-        return shares, self._tile_size, -(-self.sums.shape[1] // self._tile_size)
-
-    def _slips(self, bad: NDArray[np.int64]) -> tuple[str, ...]:
+    def slips(self, bad: NDArray[np.int64]) -> tuple[str, ...]:
+        """What is wrong with a picture, in words."""
         total = int(bad.sum())
         if not total:
             return ()
-        j = int(np.flatnonzero(bad)[-1])
-        i = int(np.flatnonzero(~np.isfinite(self.sums[j]).all(axis=1))[0]) if not np.isfinite(self.sums[j]).all() else 0
-        return (f"{total} pixels are not finite and were made black, the first at x = {i}, y = {len(bad) - 1 - j}",)
+        is_bad: NDArray[np.bool_] = ~np.isfinite(self.sums[::-1]).all(axis=2)
+        rows, columns = np.nonzero(is_bad)
+        place = f", the first at x = {columns[0]}, y = {rows[0]}" if len(rows) else ""
+        return (f"{total} pixels are not finite and were made black{place}",)

@@ -1,4 +1,4 @@
-"""Developing: from a film's sums to pixels, as light or as a screen wants it."""
+"""Developing: from a film's sums to pixels, as light or as a screen wants it. Eight pixels at once."""
 
 from __future__ import annotations
 
@@ -6,73 +6,87 @@ import numpy as np
 
 from ._jit import kernel
 from .kernel.elementary import as_int
+from .kernel.lanes import all_of, any_of, at, count_set, f32x8, i32x8, int32, load8, mask_of, max, min, put, store8, where
 
-__all__ = ["develop_rows", "encode_rows"]
+__all__ = ["develop_tile", "encode_tile"]
 
-f32 = np.float32
+f32, i32 = np.float32, np.int32
 _ZERO, _HALF, _ONE, _BYTE = f32(0.0), f32(0.5), f32(1.0), f32(255.0)
 _LEAST = f32(2.0**-17)  # where the table of codes begins
-_LEAST_BUCKET = (110 << 23) >> 12
-_BUCKET_BITS = 12
+_LEAST_BUCKET = i32((110 << 23) >> 12)
+_BUCKET_BITS = i32(12)
+_COUNTING = np.arange(8, dtype=np.int32)
 
 
 @kernel
-def _developed(sums, j: int, i: int, share: np.float32):
-    """(r, g, b, alpha) of a pixel: its sums over its number of samples, with straight alpha."""
-    r, g, b, alpha = sums[j, i, 0] * share, sums[j, i, 1] * share, sums[j, i, 2] * share, sums[j, i, 3] * share
-    if alpha > _ZERO and alpha < _ONE:
-        return r / alpha, g / alpha, b / alpha, alpha
-    return r, g, b, alpha
+def _developed(sums, place: i32x8, share: np.float32):
+    """(r, g, b, alpha) of pixels: their sums over their number of samples, with straight alpha."""
+    r, g, b = at(sums, (place, 0)) * share, at(sums, (place, 1)) * share, at(sums, (place, 2)) * share
+    alpha = at(sums, (place, 3)) * share
+    divisor = where((alpha > _ZERO) & (alpha < _ONE), alpha, _ONE)
+    return r / divisor, g / divisor, b / divisor, alpha
 
 
 @kernel
-def _is_finite(r: np.float32, g: np.float32, b: np.float32, alpha: np.float32) -> bool:
+def _is_finite(r: f32x8, g: f32x8, b: f32x8, alpha: f32x8):
     total = (r - r) + (g - g) + (b - b) + (alpha - alpha)
     return total == _ZERO
 
 
 @kernel
-def develop_rows(sums, shares, tile_size, tile_columns, first_row, last_row, pixels, bad):
-    """Fill `pixels` (height, width, 4), row 0 on top, from rows first..last of the sums, row 0 at the bottom.
+def develop_tile(sums, width, share, first_column, first_row, columns, rows, pixels, bad, tile):
+    """Fill a tile of `pixels` (height * width * 4,), row 0 on top, from the sums (height * width, 4), row 0 at the bottom.
 
-    `shares` (tiles) is one over the number of samples of each. bad[j] counts the pixels of a row that are not finite and became black.
+    `share` is one over the number of samples. bad[tile] becomes the number of pixels that are not finite and became black.
     """
-    height, width = sums.shape[0], sums.shape[1]
-    for j in range(first_row, last_row):
-        for i in range(width):
-            share = shares[(j // tile_size) * tile_columns + i // tile_size]
-            r, g, b, alpha = _developed(sums, j, i, share)
-            if not _is_finite(r, g, b, alpha):
-                bad[j] += 1
-                r, g, b, alpha = _ZERO, _ZERO, _ZERO, _ZERO
-            row = height - 1 - j
-            pixels[row, i, 0], pixels[row, i, 1], pixels[row, i, 2], pixels[row, i, 3] = r, g, b, alpha
+    height, wrong = sums.shape[0] // width, 0
+    for j in range(first_row, first_row + rows):
+        start, out = j * width + first_column, 4 * ((height - 1 - j) * width + first_column)
+        for i in range(0, columns, 8):
+            column = min(load8(_COUNTING, 0) + i, columns - 1)
+            r, g, b, alpha = _developed(sums, column + start, share)
+            fine = _is_finite(r, g, b, alpha)
+            if not all_of(fine):
+                wrong += count_set(mask_of((fine ^ True) & (load8(_COUNTING, 0) < columns - i)))
+            place = column * 4 + out
+            put(pixels, place, where(fine, r, _ZERO))
+            put(pixels, place + 1, where(fine, g, _ZERO))
+            put(pixels, place + 2, where(fine, b, _ZERO))
+            put(pixels, place + 3, where(fine, alpha, _ZERO))
+    bad[tile] = wrong
 
 
 @kernel
-def _srgb_code(value: np.float32, codes, changes) -> int:
+def _srgb_code(value: f32x8, codes, changes) -> i32x8:
     """The eight-bit code of linear light: by the leading bits of the float, and the exact place where the code changes."""
-    held = min(value if value > _LEAST else _LEAST, _ONE)
-    bucket = (np.int64(as_int(held)) >> _BUCKET_BITS) - _LEAST_BUCKET
-    code = np.int64(codes[bucket])
-    if code > 255:
-        code = code - 256 + (1 if held >= changes[bucket] else 0)
+    held = min(max(_LEAST, value), _ONE)
+    bucket = (as_int(held) >> _BUCKET_BITS) - _LEAST_BUCKET
+    code = at(codes, bucket)
+    changes_within = code > 255
+    if any_of(changes_within):
+        code = where(changes_within, code - 256 + where(held >= at(changes, bucket), 1, 0), code)
     return code
 
 
 @kernel
-def encode_rows(sums, shares, tile_size, tile_columns, first_row, last_row, codes, changes, encoded, bad):
-    """Fill `encoded` (height, width, 4) uint8, sRGB and straight alpha; else as `develop_rows`."""
-    height, width = sums.shape[0], sums.shape[1]
-    for j in range(first_row, last_row):
-        for i in range(width):
-            share = shares[(j // tile_size) * tile_columns + i // tile_size]
-            r, g, b, alpha = _developed(sums, j, i, share)
-            if not _is_finite(r, g, b, alpha):
-                bad[j] += 1
-                r, g, b, alpha = _ZERO, _ZERO, _ZERO, _ZERO
-            row = height - 1 - j
-            encoded[row, i, 0] = np.uint8(_srgb_code(r, codes, changes))
-            encoded[row, i, 1] = np.uint8(_srgb_code(g, codes, changes))
-            encoded[row, i, 2] = np.uint8(_srgb_code(b, codes, changes))
-            encoded[row, i, 3] = np.uint8(min(max(alpha, _ZERO), _ONE) * _BYTE + _HALF)
+def encode_tile(sums, width, share, first_column, first_row, columns, rows, codes, changes, encoded, bad, tile):
+    """Fill a tile of `encoded` (height * width,), four bytes RGBA each, sRGB and straight alpha; else as `develop_tile`."""
+    height, wrong = sums.shape[0] // width, 0
+    for j in range(first_row, first_row + rows):
+        start, out = j * width + first_column, (height - 1 - j) * width + first_column
+        for i in range(0, columns, 8):
+            column = min(load8(_COUNTING, 0) + i, columns - 1)
+            r, g, b, alpha = _developed(sums, column + start, share)
+            fine = _is_finite(r, g, b, alpha)
+            if not all_of(fine):
+                wrong += count_set(mask_of((fine ^ True) & (load8(_COUNTING, 0) < columns - i)))
+            r, g, b, alpha = where(fine, r, _ZERO), where(fine, g, _ZERO), where(fine, b, _ZERO), where(fine, alpha, _ZERO)
+            red, green, blue = _srgb_code(r, codes, changes), _srgb_code(g, codes, changes), _srgb_code(b, codes, changes)
+            opacity = int32(min(max(alpha, _ZERO), _ONE) * _BYTE + _HALF)
+            # The first byte in memory is the lowest, as everywhere where Numba compiles.
+            word = red | (green << 8) | (blue << 16) | (opacity << 24)
+            if i + 8 <= columns:
+                store8(encoded, out + i, word)
+            else:
+                put(encoded, column + out, word)
+    bad[tile] = wrong

@@ -57,7 +57,7 @@ _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
 _FREQUENCIES = {"fragment": PER_FRAGMENT, "vertex": PER_VERTEX, "flat": PER_TRIANGLE}
 _BLANK = "nothing of the scene is in the picture: the camera looks past it, or stands behind single-sided surfaces"
 
-Work = Callable[[Tile, int, int], None]
+Work = Callable[[Tile, int, int], object]
 
 
 def render(
@@ -224,6 +224,7 @@ class Renderer:
     def close(self) -> None:
         """Let go of what is kept."""
         self._built: Built | None = None
+        self._spare_film: Film | None = None
         self._tree: tuple[Built, Accelerator] | None = None
         self._sky: tuple[Environment | None, NDArray[np.float32] | None, NDArray[np.float32] | None] = (None, None, None)
 
@@ -316,27 +317,44 @@ class Renderer:
             frame = self._prepared(camera)
         except MemoryError:
             raise RenderError(f"there is not enough memory for a picture of {self._width} x {self._height}") from None
+        film = frame.film
         first = 0
         for last in ends:
+            is_wanted = every or last == ends[-1]
+            pixels, develop, bad = film.encoding() if encode else film.developing()
             try:
-                self._expose(frame, first, last, meter, cancel)
+                self._expose(frame, first, last, meter, cancel, develop if is_wanted else None)
                 extra = self._channels(frame) if last == ends[-1] and not encode else {}
             except (Cancelled, KeyboardInterrupt):
-                yield self._encoded(frame) if encode else self._developed(frame, {}, finished=False)
+                pixels, self.slips = film.encoded(self._threads) if encode else film.developed(self._threads)
+                yield pixels if encode else self._image(frame, pixels, {}, finished=False)
                 return
-            if every or last == ends[-1]:
-                yield self._encoded(frame) if encode else self._developed(frame, extra, finished=True)
+            if is_wanted:
+                self.slips = film.slips(bad)
+                picture = pixels if encode else self._image(frame, pixels, extra, finished=True)
+                if last == ends[-1]:
+                    self._spare_film = film
+                yield picture
             first = last
 
-    def _expose(self, frame: _Frame, first: int, last: int, meter: Meter, cancel: threading.Event | None) -> None:
-        """Add samples first..last to every tile, a few at a time, so that a stop is soon heard."""
+    def _expose(
+        self,
+        frame: _Frame,
+        first: int,
+        last: int,
+        meter: Meter,
+        cancel: threading.Event | None,
+        develop: Callable[[Tile], None] | None,
+    ) -> None:
+        """Add samples first..last to every tile, a few at a time, so that a stop is soon heard; then develop it, while it is at hand."""
         step = _SAMPLES_AT_ONCE[self._renderer]
         for start in range(first, last, step):
             end = min(start + step, last)
 
             def expose(tile: Tile, start: int = start, end: int = end) -> None:
-                frame.work(tile, start, end)
-                frame.film.taken[tile.number] = end
+                frame.film.expose(tile, frame.work, start, end)
+                if develop is not None and end == last:
+                    develop(tile)
 
             def report(part: float, start: int = start, end: int = end) -> None:
                 meter.report((start + part * (end - start)) / self._samples)
@@ -353,11 +371,11 @@ class Renderer:
         built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster)
         self._built = built
         seen = view(scene, built.tables, scene.camera, self._width, self._height)
-        film = Film(self._width, self._height, self._tile_size)
+        film, self._spare_film = self._spare_film or Film(self._width, self._height, self._tile_size), None
         light, background = self._lighting(scene, built), _background(scene)
         notes: list[str] = []
         if is_raster:
-            work = pipeline.prepare(
+            work: Work = pipeline.prepare(
                 built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
                 tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
                 hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append,
@@ -405,12 +423,7 @@ class Renderer:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
         return channels(self._aovs, values, ids)
 
-    def _encoded(self, frame: _Frame) -> NDArray[np.uint8]:
-        encoded, self.slips = frame.film.encoded(self._threads)
-        return encoded
-
-    def _developed(self, frame: _Frame, extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
-        pixels, self.slips = frame.film.developed(self._threads)
+    def _image(self, frame: _Frame, pixels: NDArray[Any], extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
         recipe = self._recipe(frame, int(frame.film.taken.min()), finished=finished)
         blank = finished and bool(frame.scene.shapes()) and not pixels[..., 3].any()

@@ -7,6 +7,7 @@ the rasteriser's subpixel grid, where coverage is exact; the tracers use the sam
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -18,6 +19,7 @@ GRID = 256
 _BITS = 24
 
 
+@functools.lru_cache(maxsize=64)
 def pixel_samples(n: int) -> NDArray[np.int32]:
     """(n, 2) int32: sample places relative to the pixel's centre, in 1/256 pixel, within [-128, 127].
 
@@ -34,6 +36,7 @@ def pixel_samples(n: int) -> NDArray[np.int32]:
         direction ^= direction >> 1
     # Half a cell of the finest grid that the points fill, so that their mean is the centre.
     half = 0.5 / 2.0 ** max(0, math.ceil(math.log2(n)))
-    places = np.stack([x, y], axis=1) / 2.0**_BITS + (half - 0.5)
-    steps = np.floor(places * GRID + 0.5).astype(np.int32)
-    return np.ascontiguousarray(np.clip(steps, -GRID // 2, GRID // 2 - 1))
+    steps = np.floor((np.stack([x, y], axis=1) / 2.0**_BITS + (half - 0.5)) * GRID + 0.5).astype(np.int32)
+    places = np.ascontiguousarray(np.clip(steps, -GRID // 2, GRID // 2 - 1))
+    places.flags.writeable = False  # every picture shares it
+    return places

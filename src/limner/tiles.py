@@ -12,8 +12,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -25,10 +24,6 @@ T = TypeVar("T")
 
 OnProgress = Callable[[float], None]
 """Called now and then, from the calling thread, with the part that is done: 0 to 1."""
-
-Finished: TypeAlias = "queue.SimpleQueue[BaseException | None]"
-"""What threads hand back for each item: what went wrong, or None."""
-
 
 class Cancel(Protocol):
     """What can be asked whether to stop: a threading.Event."""
@@ -102,53 +97,110 @@ def run_all(
             if on_progress is not None:
                 on_progress((done + 1) / len(waiting))
         return
-    stop = threading.Event()
-    left = deque(waiting)
-    finished: Finished = queue.SimpleQueue()
-
-    def serve() -> None:
-        while not stop.is_set():
-            try:
-                item = left.popleft()
-            except IndexError:
-                return
-            try:
-                work(item)
-            except BaseException as error:
-                finished.put(error)
-                return
-            finished.put(None)
-
-    with ThreadPoolExecutor(threads) as pool:
-        try:
-            for _ in range(min(threads, len(waiting))):
-                pool.submit(serve)
-            _wait_for(finished, len(waiting), on_progress, cancel)
-        finally:
-            stop.set()
+    crew = _Crew(work, waiting)
+    for _ in range(min(threads, len(waiting)) - 1):
+        _helpers.submit(crew.help)
+    try:
+        crew.lead(on_progress, cancel)
+    finally:
+        crew.dismiss()
 
 
-def _wait_for(finished: Finished, total: int, on_progress: OnProgress | None, cancel: Cancel | None) -> None:
-    """Count what is finished; raise what went wrong.
+class _Crew:
+    """The caller's thread and its helpers, who take items from one list until it is empty.
 
-    Not `concurrent.futures.wait`: it takes a lock of every task that is pending, at every call, and an interrupt in the middle
-    leaves them taken, for which the threads then wait for ever.
+    The caller works, too: a picture that takes two milliseconds has no time to wake a thread and to wait for it.
     """
-    done, last = 0, time.monotonic()
-    while done < total:
+
+    def __init__(self, work: Callable[[Any], object], items: list[Any]) -> None:
+        self._work, self._left, self._total = work, deque(items), len(items)
+        self._done: deque[None] = deque()  # one entry for each item: appending needs no lock
+        self._failed: list[BaseException] = []
+        self._changed = threading.Condition()
+        self._helping, self._dismissed = 0, False
+
+    def help(self) -> None:
+        """What a helper does; one that comes too late goes again."""
+        with self._changed:
+            if self._dismissed:
+                return
+            self._helping += 1
         try:
-            error = finished.get(timeout=0.1)
-        except queue.Empty:
-            pass
-        else:
-            if error is not None:
-                raise error
-            done += 1
-        _stop_if(cancel)
-        now = time.monotonic()
-        if on_progress is not None and (now - last > 0.05 or done == total):
-            last = now
-            on_progress(done / total)
+            while not self._dismissed and self._left:
+                self._take()
+        except BaseException as error:
+            self._failed.append(error)
+        finally:
+            with self._changed:
+                self._helping -= 1
+                self._changed.notify_all()
+
+    def lead(self, on_progress: OnProgress | None, cancel: Cancel | None) -> None:
+        """What the caller does: work, report, and listen for what stops it."""
+        last = time.monotonic()
+        while True:
+            _stop_if(cancel)
+            if self._failed:
+                raise self._failed[0]
+            done = len(self._done)
+            now = time.monotonic()
+            if on_progress is not None and (now - last > 0.05 or done == self._total):
+                last = now
+                on_progress(done / self._total)
+            if done == self._total:
+                return
+            if self._left:
+                self._take()
+            else:
+                with self._changed:
+                    if len(self._done) < self._total and self._helping and not self._failed:
+                        self._changed.wait(0.05)
+
+    def dismiss(self) -> None:
+        """Begin nothing more, and wait for what has begun."""
+        with self._changed:
+            self._dismissed = True
+            while self._helping:
+                self._changed.wait(0.05)
+
+    def _take(self) -> None:
+        try:
+            item = self._left.popleft()
+        except IndexError:
+            return
+        self._work(item)
+        self._done.append(None)
+
+
+class _Helpers:
+    """Threads that wait for crews to help; they are kept, since starting one takes as long as a small picture's tile."""
+
+    def __init__(self) -> None:
+        self._calls: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        self._count, self._idle, self._process = 0, 0, os.getpid()
+
+    def submit(self, call: Callable[[], None]) -> None:
+        with self._lock:
+            if self._process != os.getpid():  # threads do not survive a fork
+                self._calls, self._count, self._idle, self._process = queue.SimpleQueue(), 0, 0, os.getpid()
+            if self._idle <= self._calls.qsize() and self._count < _MOST_HELPERS:
+                self._count += 1
+                threading.Thread(target=self._serve, args=(self._calls,), name=f"limner {self._count}", daemon=True).start()
+        self._calls.put(call)
+
+    def _serve(self, calls: queue.SimpleQueue[Callable[[], None]]) -> None:
+        while True:
+            with self._lock:
+                self._idle += 1
+            call = calls.get()
+            with self._lock:
+                self._idle -= 1
+            call()
+
+
+_MOST_HELPERS = 256
+_helpers = _Helpers()
 
 
 def _stop_if(cancel: Cancel | None) -> None:

@@ -107,7 +107,7 @@ def _checked_gamma(gamma: float) -> float:
 class SrgbCodes(NamedTuple):
     """What `bytes_from_linear` looks up by bucket: the leading bits of a float32 above those of `_LEAST_BITS`."""
 
-    code: NDArray[np.uint16]  # code at the bucket's lower end; 256 is added where it changes inside
+    code: NDArray[np.int32]  # code at the bucket's lower end; 256 is added where it changes inside
     change: NDArray[np.float32]  # the value at which it changes; inf where it does not
 
 
@@ -128,7 +128,7 @@ def srgb_codes() -> SrgbCodes:
         reached, below = np.where(enough, middle, reached), np.where(enough, below, middle)
     first_bucket, last_bucket = _LEAST_BITS >> _DROPPED_BITS, _ONE_BITS >> _DROPPED_BITS
     lower_ends = np.arange(first_bucket, last_bucket + 1, dtype=np.int32) << _DROPPED_BITS
-    code = np.searchsorted(reached, lower_ends, side="right").astype(np.uint16)
+    code = np.searchsorted(reached, lower_ends, side="right").astype(np.int32)
     inside = (reached & ((1 << _DROPPED_BITS) - 1)) != 0
     bucket = (reached[inside] >> _DROPPED_BITS) - first_bucket
     change = np.full(len(lower_ends), np.inf, dtype=np.float32)

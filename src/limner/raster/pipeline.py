@@ -141,8 +141,10 @@ def prepare(
     clipping: str = "homogeneous",
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
-) -> Callable[[Tile, int, int], None]:
+) -> Callable[[Tile, int, int], bool]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
+
+    It returns False where there was nothing to draw.
 
     Parameters
     ----------
@@ -179,7 +181,17 @@ def prepare(
         )
 
     kernel = PerThread(bound)
-    return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
+    # Plain numbers: a tile is asked in less time than NumPy takes to find one.
+    is_touched = (np.diff(bins.ranges) > 0).tolist()
+    shows_behind = bool(lighting.header[0]["sky_visible"]) or bool(background[3] != 0.0)
+
+    def draw_tile(tile: Tile, first_sample: int, last_sample: int) -> bool:
+        if not (is_touched[tile.number] or shows_behind):
+            return False
+        kernel.value(*tile, first_sample, last_sample)
+        return True
+
+    return draw_tile
 
 
 def draw_channels(

@@ -201,7 +201,8 @@ def draw_tile(
 ):  # fmt: skip
     """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
 
-    bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the subpixel grid.
+    bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the
+    subpixel grid.
     multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
     (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
     """

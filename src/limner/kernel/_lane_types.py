@@ -17,7 +17,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
 __all__ = [
-    "BOOL_LANES", "FLOAT_LANES", "INT_LANES", "all_of", "any_of", "at", "count_set", "first_set", "four_bytes", "highest", "int32",
+    "BOOL_LANES", "FLOAT_LANES", "INT_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "first_set", "four_bytes", "highest", "int32",
     "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "register", "splat8", "splat8_int", "spread", "spread_value",
     "store8", "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
@@ -498,6 +498,35 @@ def store8(typingctx: Any, array: Any, offset: Any, v: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(array, types.intp, kind), lower
+
+
+@intrinsic  # type: ignore[misc]
+def add_rows(typingctx: Any, array: Any, row: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
+    fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype == types.float32 and array.mutable
+    if not fits or not isinstance(row, types.Integer) or (a, b, c, d) != (FLOAT_LANES,) * 4:
+        return None
+
+    def shuffled(builder: Any, x: Any, y: Any, lanes: list[int]) -> Any:
+        return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, _EIGHT), lanes))
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        start = builder.mul(args[1], _I64(4))
+        for pair in range(4):
+            k, m = 2 * pair, 2 * pair + 1
+            # Of two rows: first their a and b, then their c and d, then both side by side.
+            ab = shuffled(builder, args[2], args[3], [k, k + 8, 0, 0, m, m + 8, 0, 0])
+            cd = shuffled(builder, args[4], args[5], [k, k + 8, 0, 0, m, m + 8, 0, 0])
+            rows = shuffled(builder, ab, cd, [0, 1, 8, 9, 4, 5, 12, 13])
+            element = builder.gep(data, [builder.add(start, _I64(8 * pair))])
+            pointer = builder.bitcast(element, ir.PointerType(FLOAT_LANES.vector))
+            loaded = builder.load(pointer)
+            loaded.align = 4
+            builder.store(builder.fadd(loaded, rows), pointer).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64, a, b, c, d), lower
 
 
 @intrinsic  # type: ignore[misc]

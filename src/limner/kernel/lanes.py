@@ -30,9 +30,9 @@ import numpy as np
 from .._jit import MODE
 
 __all__ = [
-    "ALL_LANES", "all_of", "any_of", "at", "bool8", "count_set", "f32x8", "first_set", "four_bytes", "highest", "i32x8", "i64x8",
-    "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "splat8", "splat8_int", "spread", "store8", "sum8",
-    "to_float", "to_int", "where",
+    "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "f32x8", "first_set", "four_bytes", "highest", "i32x8", "i64x8",
+    "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "splat8", "splat8_int", "spread", "store8",
+    "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -182,6 +182,7 @@ class i64x8(i32x8):  # noqa: N801
 
 if MODE == "compiled":
     from ._lane_types import (
+        add_rows,
         all_of,
         any_of,
         at,
@@ -273,6 +274,10 @@ else:
     def splat8_int(x: np.int32) -> i32x8:
         """Eight times the integer x."""
         return i32x8(np.full(8, np.int64(x), dtype=np.int64).astype(np.int32))
+
+    def add_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
+        """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
+        array[row : row + 8] += np.stack([a.values, b.values, c.values, d.values], axis=1)
 
     def put(array: np.ndarray, index: i32x8, v: Any) -> None:
         """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""

@@ -82,10 +82,15 @@ def _number_groups(fragments: Fragments, n: int, screen) -> int:
 
     `first` holds the first fragment of each.
     """
-    n_groups, last_group = 0, 0
+    n_groups, last_group, last_surface = 0, 0, -3
     last_instance, last_material = -3, -3
     for start in range(0, n, 8):
         surface = load8(fragments.surface, start)
+        if all_of(surface == last_surface):
+            store8(fragments.triangle, start, splat8_int(fragments.triangle[start - 1]))
+            store8(fragments.group, start, splat8_int(last_group))
+            continue
+        last_surface = np.int64(lane(surface, 7))
         instances, materials = _shown(screen, surface)
         store8(fragments.triangle, start, at(screen, (max(surface, 0), TRIANGLE_WORD)))
         store8(fragments.group, start, splat8_int(last_group))
@@ -211,16 +216,28 @@ def _behind(x: f32x8, y: f32x8, lighting, background, camera):
 
 
 @kernel
+def _pad(fragments: Fragments, n: int):
+    """Repeat the last of n fragments: lanes beyond it do its work again."""
+    for k in range(n, n + 8):
+        fragments.surface[k], fragments.x[k], fragments.y[k] = fragments.surface[n - 1], fragments.x[n - 1], fragments.y[n - 1]
+
+
+@kernel
 def _chosen(fragments: Fragments, k: int, last: int, is_sorted: bool):
-    """The places of eight fragments from `k` on, of which `last` is the last; lanes beyond it do its work again."""
+    """The places of eight fragments from `k` on, of which `last` is the last: (places, triangles, x, y)."""
+    places = load8(_COUNTING, 0) + k
     if is_sorted:
-        return min(load8(_COUNTING, 0) + k, last)
-    return at(fragments.order, min(load8(_COUNTING, 0) + k, last))
+        return places, load8(fragments.triangle, k), load8(fragments.x, k), load8(fragments.y, k)
+    places = at(fragments.order, min(places, last))
+    return places, at(fragments.triangle, places), at(fragments.x, places), at(fragments.y, places)
 
 
 @kernel
 def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background):
     """Fill the radiance and alpha of the first n fragments. `screen` (n, words) int32: the screen triangles as plain numbers."""
+    if n == 0:
+        return
+    _pad(fragments, n)
     n_groups = _number_groups(fragments, n, screen)
     is_sorted = n_groups <= 1
     if is_sorted:
@@ -232,12 +249,10 @@ def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lightin
         surface = np.int64(fragments.surface[begin if is_sorted else np.int64(fragments.order[begin])])
         instance_id, material_id = _shown(screen, surface)
         for k in range(begin, end, 8):
-            chosen = _chosen(fragments, k, end - 1, is_sorted)
-            x, y = at(fragments.x, chosen), at(fragments.y, chosen)
+            chosen, triangle, x, y = _chosen(fragments, k, end - 1, is_sorted)
             if surface < 0:
                 c, alpha = _behind(x, y, lighting, background, camera)
             else:
-                triangle = at(fragments.triangle, chosen)
                 c, alpha = _shade_eight(
                     np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency
                 )

@@ -5,7 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.lanes import ALL_LANES, count_set, first_set, lane, lanes_of, load8, mask_of, splat8, store8, sum8, to_float, where
+from ..kernel.lanes import (
+    ALL_LANES,
+    add_rows,
+    all_of,
+    at,
+    count_set,
+    first_set,
+    lane,
+    lanes_of,
+    load8,
+    mask_of,
+    splat8,
+    store8,
+    sum8,
+    to_float,
+    where,
+)
 from ..kernel.vec import ONE, ZERO
 from ..tables.layouts import PERSPECTIVE
 from .fill import eight_pixels, eight_samples, fill_opaque, fill_transparent
@@ -87,6 +103,32 @@ def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int,
 
 
 @kernel
+def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, is_weighted: bool, film):
+    """Add the shaded fragments to the film, in their order; behind the blended layers where there are some."""
+    red, green, blue, transmittance = layers
+    counting = load8(_COUNTING, 0)
+    for start in range(0, n, 8):
+        r, g, b = load8(fragments.r, start), load8(fragments.g, start), load8(fragments.b, start)
+        # Of an opaque surface alpha is 1, whatever its texture says.
+        alpha = where(load8(fragments.surface, start) >= 0, ONE, load8(fragments.alpha, start))
+        if has_blend:
+            p = load8(fragments.pixel, start)
+            t = at(transmittance, p)
+            r, g, b = at(red, p) + r * t, at(green, p) + g * t, at(blue, p) + b * t
+            alpha = (ONE - t) + t * alpha
+        if is_weighted:
+            weight = load8(fragments.weight, start)
+            r, g, b, alpha = r * weight, g * weight, b * weight, alpha * weight
+        place = load8(fragments.place, start)
+        first = np.int64(lane(place, 0))
+        if start + 8 <= n and all_of(place == counting + first):
+            add_rows(film, first, r, g, b, alpha)
+            continue
+        for k in range(min(8, n - start)):
+            _add(film, np.int64(lane(place, k)), lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
+
+
+@kernel
 def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, next_depth, next_seen):
     """Put one layer of shaded fragments behind those already there (front to back), and remember how far it went."""
     red, green, blue, transmittance = layers
@@ -128,16 +170,7 @@ def _supersample(
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
     count = _list_seen(fragments, seen, window, width, ox, oy, shows_behind or has_blend != 0)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
-    for k in range(count):
-        r, g, b, alpha = fragments.r[k], fragments.g[k], fragments.b[k], fragments.alpha[k]
-        # Of an opaque surface alpha is 1, whatever its texture says.
-        alpha = ONE if fragments.surface[k] >= 0 else alpha
-        if has_blend != 0:
-            p = fragments.pixel[k]
-            t = layers[3][p]
-            r, g, b = layers[0][p] + r * t, layers[1][p] + g * t, layers[2][p] + b * t
-            alpha = (ONE - t) + t * alpha
-        _add(film, np.int64(fragments.place[k]), r, g, b, alpha)
+    _add_fragments(fragments, count, layers, has_blend != 0, False, film)
 
 
 @kernel
@@ -186,10 +219,8 @@ def _multisample(
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
     count = _list_surfaces(fragments, seen, places, samples, window, width, shows_behind)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
-    for k in range(count):
-        place, weight = np.int64(fragments.place[k]), fragments.weight[k]
-        alpha = ONE if fragments.surface[k] >= 0 else fragments.alpha[k]
-        _add(film, place, fragments.r[k] * weight, fragments.g[k] * weight, fragments.b[k] * weight, alpha * weight)
+    none = (depth, depth, depth, depth)
+    _add_fragments(fragments, count, none, False, True, film)
 
 
 @kernel

@@ -17,9 +17,10 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
 __all__ = [
-    "BOOL_LANES", "FLOAT_LANES", "INT_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "first_set", "four_bytes", "highest", "int32",
-    "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "register", "splat8", "splat8_int", "spread", "spread_value",
-    "store8", "sum8", "to_float", "to_int", "where",
+    "BOOL_LANES", "DOUBLE_LANES", "FLOAT_LANES", "INT_LANES", "LONG_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "double",
+    "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "put_where",
+    "rank8", "register", "single", "splat8", "splat8_int", "spread", "spread_value", "store8", "store_rows", "sum8", "to_float",
+    "to_int", "vector_call", "where",
 ]  # fmt: skip
 
 _I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
@@ -56,9 +57,10 @@ class _BoolLanes(_LaneType):
 
 FLOAT_LANES = _FloatLanes("f32x8", types.float32, ir.FloatType())
 INT_LANES = _IntLanes("i32x8", types.int32, _I32)
+DOUBLE_LANES = _FloatLanes("f64x8", types.float64, ir.DoubleType())
 LONG_LANES = _IntLanes("i64x8", types.int64, _I64)
 BOOL_LANES = _BoolLanes("bool8", types.boolean, _I1)
-_NUMBERS = (FLOAT_LANES, INT_LANES, LONG_LANES)
+_NUMBERS = (FLOAT_LANES, DOUBLE_LANES, INT_LANES, LONG_LANES)
 
 
 @register_model(_FloatLanes)
@@ -135,7 +137,7 @@ def _register_typing(op: Any) -> None:
                 fits = all(isinstance(arg, (_BoolLanes, types.Boolean)) for arg in args)
                 return signature(BOOL_LANES, BOOL_LANES, BOOL_LANES) if fits else None
             kind = _lanes_for(*args)
-            table = _FLOAT_OPERATORS if kind == FLOAT_LANES else _INT_OPERATORS
+            table = _FLOAT_OPERATORS if isinstance(kind, _FloatLanes) else _INT_OPERATORS
             return signature(kind, kind, kind) if kind is not None and op in table else None
 
 
@@ -385,6 +387,20 @@ highest = _reduction(">", "The number itself, or the greatest of eight (of lanes
 
 
 @intrinsic  # type: ignore[misc]
+def rank8(typingctx: Any, mask: Any) -> Any:
+    """How many lower lanes a mask has, for each lane."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        made, count = ir.Constant(INT_LANES.vector, ir.Undefined), _I32(0)
+        for k in range(_EIGHT):
+            made = builder.insert_element(made, count, _I32(k))
+            count = builder.add(count, builder.and_(builder.lshr(args[0], _I32(k)), _I32(1)))
+        return made
+
+    return (INT_LANES(types.int32), lower) if isinstance(mask, types.Integer) else None
+
+
+@intrinsic  # type: ignore[misc]
 def sum8(typingctx: Any, v: Any) -> Any:
     """The sum of eight integers."""
 
@@ -408,6 +424,31 @@ def int32(typingctx: Any, a: Any) -> Any:
         return builder.fptosi(args[0], INT_LANES.vector) if a == FLOAT_LANES else args[0]
 
     return (INT_LANES(a), lower) if a in (FLOAT_LANES, INT_LANES) else None
+
+
+@intrinsic  # type: ignore[misc]
+def double(typingctx: Any, a: Any) -> Any:
+    """A float32 or an integer as float64."""
+    if isinstance(a, types.Number):
+        a = types.unliteral(a)
+        return types.float64(a), lambda context, builder, sig, args: context.cast(builder, args[0], a, types.float64)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return (builder.sitofp if a == INT_LANES else builder.fpext)(args[0], DOUBLE_LANES.vector)
+
+    return (DOUBLE_LANES(a), lower) if a in (FLOAT_LANES, INT_LANES) else None
+
+
+@intrinsic  # type: ignore[misc]
+def single(typingctx: Any, a: Any) -> Any:
+    """The nearest float32 of a float64."""
+    if isinstance(a, types.Number):
+        return types.float32(types.float64), lambda context, builder, sig, args: builder.fptrunc(args[0], ir.FloatType())
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fptrunc(args[0], FLOAT_LANES.vector)
+
+    return (FLOAT_LANES(DOUBLE_LANES), lower) if a == DOUBLE_LANES else None
 
 
 @intrinsic  # type: ignore[misc]
@@ -500,13 +541,18 @@ def store8(typingctx: Any, array: Any, offset: Any, v: Any) -> Any:
     return types.void(array, types.intp, kind), lower
 
 
-@intrinsic  # type: ignore[misc]
-def add_rows(typingctx: Any, array: Any, row: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
-    """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
-    fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype == types.float32 and array.mutable
-    if not fits or not isinstance(row, types.Integer) or (a, b, c, d) != (FLOAT_LANES,) * 4:
-        return None
+def _rows(*, adds: bool, description: str) -> Any:
+    def build(typingctx: Any, array: Any, row: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+        fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype == types.float32 and array.mutable
+        if not fits or not isinstance(row, types.Integer) or (a, b, c, d) != (FLOAT_LANES,) * 4:
+            return None
+        return types.void(array, types.int64, a, b, c, d), _lower_rows(adds)
 
+    build.__doc__ = description
+    return intrinsic(build)
+
+
+def _lower_rows(adds: bool) -> Any:
     def shuffled(builder: Any, x: Any, y: Any, lanes: list[int]) -> Any:
         return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, _EIGHT), lanes))
 
@@ -521,27 +567,56 @@ def add_rows(typingctx: Any, array: Any, row: Any, a: Any, b: Any, c: Any, d: An
             rows = shuffled(builder, ab, cd, [0, 1, 8, 9, 4, 5, 12, 13])
             element = builder.gep(data, [builder.add(start, _I64(8 * pair))])
             pointer = builder.bitcast(element, ir.PointerType(FLOAT_LANES.vector))
-            loaded = builder.load(pointer)
-            loaded.align = 4
-            builder.store(builder.fadd(loaded, rows), pointer).align = 4
+            if adds:
+                loaded = builder.load(pointer)
+                loaded.align = 4
+                rows = builder.fadd(loaded, rows)
+            builder.store(rows, pointer).align = 4
         return context.get_dummy_value()
 
-    return types.void(array, types.int64, a, b, c, d), lower
+    return lower
+
+
+add_rows = _rows(
+    adds=True, description="Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."
+)
+store_rows = _rows(
+    adds=False, description="Write (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array."
+)
+
+
+def _scatter(context: Any, builder: Any, array_type: Any, array: Any, index: Any, v: Any, condition: Any) -> Any:
+    kind = _lanes_in(array_type)
+    assert kind is not None
+    data = context.make_array(array_type)(context, builder, array).data
+    pointers = _addresses(builder, data, index, kind)
+    name = f"llvm.masked.scatter.v8{'f' if kind == FLOAT_LANES else 'i'}32.v8p0"
+    function_type = ir.FunctionType(ir.VoidType(), [kind.vector, pointers.type, _I32, BOOL_LANES.vector])
+    function = cgutils.get_or_insert_function(builder.module, function_type, name)
+    builder.call(function, [v, pointers, _I32(4), condition])
+    return context.get_dummy_value()
+
+
+@intrinsic  # type: ignore[misc]
+def put_where(typingctx: Any, array: Any, index: Any, v: Any, condition: Any) -> Any:
+    """As `put`, the lanes only where a condition holds."""
+    if _lanes_in(array) != v or index != INT_LANES or not array.mutable or condition != BOOL_LANES:
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _scatter(context, builder, sig.args[0], *args)
+
+    return types.void(array, index, v, condition), lower
 
 
 @intrinsic  # type: ignore[misc]
 def put(typingctx: Any, array: Any, index: Any, v: Any) -> Any:
     """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
-    kind = _lanes_in(array)
-    if kind is None or v != kind or index != INT_LANES or not array.mutable:
+    if _lanes_in(array) != v or index != INT_LANES or not array.mutable:
         return None
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        data = context.make_array(sig.args[0])(context, builder, args[0]).data
-        for k in range(_EIGHT):
-            place = builder.gep(data, [builder.sext(builder.extract_element(args[1], _I32(k)), _I64)])
-            builder.store(builder.extract_element(args[2], _I32(k)), place)
-        return context.get_dummy_value()
+        return _scatter(context, builder, sig.args[0], *args, ir.Constant(BOOL_LANES.vector, [1] * _EIGHT))
 
     return types.void(array, index, v), lower
 
@@ -589,16 +664,20 @@ def at(typingctx: Any, array: Any, index: Any) -> Any:
     return kind(array, wanted), lower
 
 
-def _gather_words(builder: Any, base: Any, lanes: Any, kind: _LaneType) -> Any:
-    """Eight 32-bit elements: one instruction where the CPU has one that is worth it."""
-    element = kind.vector.element
+def _addresses(builder: Any, base: Any, lanes: Any, kind: _LaneType) -> Any:
+    """The addresses of eight elements."""
     wide = builder.sext(lanes, LONG_LANES.vector)
-    pointers_type = ir.VectorType(ir.PointerType(element), _EIGHT)
     # llvmlite builds addresses from single numbers only; LLVM takes lanes in the same place.
     pointers = builder.gep(base, [_I64(0)])
-    pointers.indices, pointers.type = [wide], pointers_type
+    pointers.indices, pointers.type = [wide], ir.VectorType(ir.PointerType(kind.vector.element), _EIGHT)
+    return pointers
+
+
+def _gather_words(builder: Any, base: Any, lanes: Any, kind: _LaneType) -> Any:
+    """Eight 32-bit elements: one instruction where the CPU has one that is worth it."""
+    pointers = _addresses(builder, base, lanes, kind)
     name = f"llvm.masked.gather.v8{'f' if kind == FLOAT_LANES else 'i'}32.v8p0"
-    function_type = ir.FunctionType(kind.vector, [pointers_type, _I32, BOOL_LANES.vector, kind.vector])
+    function_type = ir.FunctionType(kind.vector, [pointers.type, _I32, BOOL_LANES.vector, kind.vector])
     function = cgutils.get_or_insert_function(builder.module, function_type, name)
     everywhere = ir.Constant(BOOL_LANES.vector, [1] * _EIGHT)
     return builder.call(function, [pointers, _I32(1), everywhere, ir.Constant(kind.vector, ir.Undefined)])

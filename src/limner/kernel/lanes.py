@@ -30,9 +30,9 @@ import numpy as np
 from .._jit import MODE
 
 __all__ = [
-    "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "f32x8", "first_set", "four_bytes", "highest", "i32x8", "i64x8",
-    "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "splat8", "splat8_int", "spread", "store8",
-    "sum8", "to_float", "to_int", "where",
+    "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set", "four_bytes",
+    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "put_where",
+    "rank8", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -145,6 +145,19 @@ class f32x8(_Numbers):  # noqa: N801
         return f32x8(np.abs(self.values))
 
 
+class f64x8(f32x8):  # noqa: N801
+    """Eight float64, with + - * / and comparisons."""
+
+    __slots__ = ()
+    element = np.float64
+
+    def __truediv__(self, o: Any) -> f64x8:
+        return f64x8(self.values / self._other(o))
+
+    def __rtruediv__(self, o: Any) -> f64x8:
+        return f64x8(self._other(o) / self.values)
+
+
 class i32x8(_Numbers):  # noqa: N801
     """Eight int32, modulo 2^32, with + - * & | ^ << >> and comparisons."""
 
@@ -187,6 +200,7 @@ if MODE == "compiled":
         any_of,
         at,
         count_set,
+        double,
         first_set,
         four_bytes,
         highest,
@@ -198,11 +212,15 @@ if MODE == "compiled":
         lowest,
         mask_of,
         put,
+        put_where,
+        rank8,
         register,
+        single,
         splat8,
         splat8_int,
         spread,
         store8,
+        store_rows,
         sum8,
         to_float,
         to_int,
@@ -275,9 +293,19 @@ else:
         """Eight times the integer x."""
         return i32x8(np.full(8, np.int64(x), dtype=np.int64).astype(np.int32))
 
+    def put_where(array: np.ndarray, index: i32x8, v: Any, condition: bool8) -> None:
+        """As `put`, the lanes only where a condition holds."""
+        for place, value, holds in zip(index.values, v.values, condition.values, strict=True):
+            if holds:
+                array[place] = value
+
     def add_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
         """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
         array[row : row + 8] += np.stack([a.values, b.values, c.values, d.values], axis=1)
+
+    def store_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
+        """Write (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
+        array[row : row + 8] = np.stack([a.values, b.values, c.values, d.values], axis=1)
 
     def put(array: np.ndarray, index: i32x8, v: Any) -> None:
         """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
@@ -306,6 +334,11 @@ else:
         words = array[places[..., None] + np.arange(4)].astype("<u1").view("<i4")[..., 0]
         return i32x8(words) if isinstance(index, _Lanes) else np.int32(words)
 
+    def rank8(mask: int) -> i32x8:
+        """How many lower lanes a mask has, for each lane."""
+        bits = np.unpackbits(np.uint8(int(mask) & 255), bitorder="little").astype(np.int64)
+        return i32x8(np.cumsum(bits) - bits)
+
     def sum8(v: i32x8) -> np.int32:
         """The sum of eight integers."""
         return np.int32(v.values.sum(dtype=np.int32))
@@ -313,6 +346,14 @@ else:
     def int32(a: Any) -> Any:
         """A number, which must fit, as int32, towards zero; integers lose their upper bits."""
         return i32x8(a.values.astype(np.int32)) if isinstance(a, _Lanes) else np.int32(a)
+
+    def double(a: Any) -> Any:
+        """A float32 or an integer as float64."""
+        return f64x8(a.values) if isinstance(a, _Lanes) else np.float64(a)
+
+    def single(a: Any) -> Any:
+        """The nearest float32 of a float64."""
+        return f32x8(a.values) if isinstance(a, _Lanes) else np.float32(a)
 
     def long8(a: i32x8) -> i64x8:
         """Eight int32 as eight int64."""

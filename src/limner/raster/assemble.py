@@ -1,21 +1,40 @@
-"""Primitive assembly: triangles of vertices to triangles on the screen, clipped, culled, snapped to the subpixel grid."""
+"""Primitive assembly: triangles of vertices to triangles on the screen, clipped, culled, in order. Eight at once where none is clipped."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.elementary import floor
+from ..kernel.elementary import as_int
+from ..kernel.lanes import (
+    any_of,
+    at,
+    count_set,
+    double,
+    first_set,
+    i32x8,
+    load8,
+    long8,
+    mask_of,
+    max,
+    min,
+    put_where,
+    rank8,
+    single,
+    splat8_int,
+    spread,
+    where,
+)
 from ..tables.layouts import ORTHOGRAPHIC
-from .clip import clip_polygon, inside_all
-from .layouts import SUBPIXELS
+from .clip import clip_polygon
+from .layouts import SUBPIXELS, UNSNAPPED, WORDS
 from .plane_clip import clip_triangle_to_planes
+from .vertex import snap
 
 __all__ = ["assemble_triangles", "bin_triangles", "count_bins", "screen_plane"]
 
 f32, f64, i32 = np.float32, np.float64, np.int32
-_HALF = f32(0.5)
-_GRID = f32(SUBPIXELS)
+_COUNTING = np.arange(8, dtype=np.int32)
 
 
 @kernel
@@ -31,30 +50,26 @@ def _outside_picture(a, b, c, width: np.float32, height: np.float32) -> bool:
 
 
 @kernel
-def _snap(numerator: np.float32, w: np.float32) -> int:
-    """The homogeneous divide, rounded to the subpixel grid."""
-    return int(floor(numerator / w * _GRID + _HALF))
-
-
-@kernel
 def screen_plane(a, b, c, ra: np.float64, rb: np.float64, rc: np.float64, x_reference: int, y_reference: int):
     """(is one, z, dz/dx, dz/dy): what has the values r_i w_i at three homogeneous raster vertices, as a function of the screen.
+
+    Of one triangle or of eight.
 
     The solution of ``z w_i + dzdx x_i + dzdy y_i = r_i`` with x_i, y_i homogeneous and relative to the reference pixel. Float64: the
     system is badly conditioned for thin triangles.
     """
-    wa, wb, wc = f64(a[3]), f64(b[3]), f64(c[3])
-    xr, yr = f64(x_reference), f64(y_reference)
-    xa, xb, xc = f64(a[0]) - xr * wa, f64(b[0]) - xr * wb, f64(c[0]) - xr * wc
-    ya, yb, yc = f64(a[1]) - yr * wa, f64(b[1]) - yr * wb, f64(c[1]) - yr * wc
+    wa, wb, wc = double(a[3]), double(b[3]), double(c[3])
+    xr, yr = double(x_reference), double(y_reference)
+    xa, xb, xc = double(a[0]) - wa * xr, double(b[0]) - wb * xr, double(c[0]) - wc * xr
+    ya, yb, yc = double(a[1]) - wa * yr, double(b[1]) - wb * yr, double(c[1]) - wc * yr
     bc, ca, ab = yb * wc - yc * wb, yc * wa - ya * wc, ya * wb - yb * wa
     det = xa * bc + xb * ca + xc * ab
-    if det == f64(0.0):
-        return False, f64(0.0), f64(0.0), f64(0.0)
-    dzdx = (ra * bc + rb * ca + rc * ab) / det
-    dzdy = (ra * (wb * xc - wc * xb) + rb * (wc * xa - wa * xc) + rc * (wa * xb - wb * xa)) / det
-    z = (ra * (xb * yc - xc * yb) + rb * (xc * ya - xa * yc) + rc * (xa * yb - xb * ya)) / det
-    return True, z, dzdx, dzdy
+    fits = (det > f64(0.0)) | (det < f64(0.0))
+    divisor = where(fits, det, f64(1.0))
+    dzdx = (bc * ra + ca * rb + ab * rc) / divisor
+    dzdy = ((wb * xc - wc * xb) * ra + (wc * xa - wa * xc) * rb + (wa * xb - wb * xa) * rc) / divisor
+    z = ((xb * yc - xc * yb) * ra + (xc * ya - xa * yc) * rb + (xa * yb - xb * ya) * rc) / divisor
+    return fits, z, dzdx, dzdy
 
 
 @kernel
@@ -64,13 +79,14 @@ def _depth_plane(a, b, c, x_reference: int, y_reference: int, camera):
     Near/depth (perspective), or the part of the way back from far to near (orthographic), is an affine function of the screen.
     """
     near, far = f64(camera["near"]), f64(camera["far"])
-    ra, rb, rc = near, near, near
     if camera["kind"] == ORTHOGRAPHIC:
-        ra, rb, rc = far - f64(a[2]), far - f64(b[2]), far - f64(c[2])
         scale = f64(1.0) / (far - near)
-        ra, rb, rc = ra * scale, rb * scale, rc * scale
+        ra, rb, rc = (far - double(a[2])) * scale, (far - double(b[2])) * scale, (far - double(c[2])) * scale
+    else:
+        same = spread(near, a[2])
+        ra, rb, rc = double(same), double(same), double(same)
     fits, z, dzdx, dzdy = screen_plane(a, b, c, ra, rb, rc, x_reference, y_reference)
-    return fits, f32(z), f32(dzdx), f32(dzdy)
+    return fits, single(z), single(dzdx), single(dzdy)
 
 
 @kernel
@@ -147,92 +163,235 @@ def _object_point(positions, row: int):
 
 
 @kernel
+def _assemble_one(job, t: int, geometry, frame, clip_planes, polygons, screen, place: int, limit: int, camera) -> int:
+    """Clip a triangle and write what is left of it from `place` on. Returns the next place."""
+    instances, meshes, positions, triangles, slots, materials = geometry
+    vertices, _, raster_from_object = frame
+    polygon, scratch, world, world_scratch = polygons
+    instance, start = job
+    mesh = meshes[instances[instance]["mesh"]]
+    facing = -1 if instances[instance]["flipped"] != 0 else 1
+    in_world = clip_planes.shape[0] > 0
+    width, height, near = f32(camera["width"]), f32(camera["height"]), camera["near"]
+    row = mesh["triangle"] + t
+    a = _corner(vertices, start + triangles[row, 0])
+    b = _corner(vertices, start + triangles[row, 1])
+    c = _corner(vertices, start + triangles[row, 2])
+    if not (_is_number(a) and _is_number(b) and _is_number(c)) or (not in_world and _outside_picture(a, b, c, width, height)):
+        return place
+    material = instances[instance]["material"]
+    if mesh["slot"] >= 0:
+        material = material + slots[mesh["slot"] + t]
+    double_sided = materials[material]["double_sided"] != 0
+    before = place
+    if in_world:
+        p = mesh["position"]
+        oa = _object_point(positions, p + triangles[row, 0])
+        ob = _object_point(positions, p + triangles[row, 1])
+        oc = _object_point(positions, p + triangles[row, 2])
+        to_raster = raster_from_object[instance]
+        n = _clip_in_world(polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], to_raster, clip_planes)
+    else:
+        for i in range(4):
+            polygon[0, i], polygon[1, i], polygon[2, i] = a[i], b[i], c[i]
+        n = clip_polygon(polygon, scratch, near)
+    for i in range(1, n - 1):
+        x0, y0 = _snapped(polygon, 0)
+        x1, y1 = _snapped(polygon, i)
+        x2, y2 = _snapped(polygon, i + 1)
+        place += _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, (a, b, c), camera, facing, double_sided)
+    for i in range(before, min(place, limit)):
+        screen[i]["instance"], screen[i]["triangle"] = instance, t
+        screen[i]["material"], screen[i]["alpha_mode"] = material, materials[material]["alpha_mode"]
+    return place
+
+
+@kernel
+def _snapped(polygon, k: int):
+    return np.int64(snap(polygon[k, 0], polygon[k, 3])), np.int64(snap(polygon[k, 1], polygon[k, 3]))
+
+
+@kernel
+def _screen_points(snapped, i0: i32x8, i1: i32x8, i2: i32x8):
+    """x and y of the three corners of eight triangles, on the subpixel grid."""
+    return (
+        at(snapped, i0 * 2), at(snapped, i0 * 2 + 1), at(snapped, i1 * 2), at(snapped, i1 * 2 + 1), at(snapped, i2 * 2),
+        at(snapped, i2 * 2 + 1),
+    )  # fmt: skip
+
+
+@kernel
+def _touches(low: i32x8, high: i32x8, places, pixels: int):
+    """Whether some sample of the picture's columns (or rows) lies between two places: most tiny triangles miss them all."""
+    half_open = (low - places[1] + (SUBPIXELS - 1)) >> 8
+    first, last = max(half_open, 0), min((high - places[0]) >> 8, pixels - 1)
+    return first <= last
+
+
+@kernel
+def _is_counterclockwise(points):
+    """(the doubled area is not zero, it is positive) of eight triangles."""
+    x0, y0, x1, y1, x2, y2 = points
+    left = long8(x1 - x0) * long8(y2 - y0)
+    right = long8(x2 - x0) * long8(y1 - y0)
+    return left != right, left > right
+
+
+@kernel
+def _emit_eight(queue, n: int, job, geometry, frame, screen, words, place: int, limit: int, camera, sided) -> int:
+    """Write the n <= 8 triangles in the queue, none of which has to be clipped. Returns the next place."""
+    instances, meshes, _, triangles, slots, _ = geometry
+    vertices, snapped, _ = frame
+    instance, start = job
+    mesh = meshes[instances[instance]["mesh"]]
+    counting = min(load8(_COUNTING, 0), n - 1)
+    t = at(queue, counting)
+    i0, i1, i2 = _corners_of(triangles, t + np.int64(mesh["triangle"]), start)
+    points = _screen_points(snapped, i0, i1, i2)
+    x0, y0, x1, y1, x2, y2 = points
+    _, positive = _is_counterclockwise(points)
+    x_low, x_high = min(x0, min(x1, x2)), max(x0, max(x1, x2))
+    y_low, y_high = min(y0, min(y1, y2)), max(y0, max(y1, y2))
+    xr = min(max((x_low + x_high) >> 9, 0), np.int64(camera["width"]))
+    yr = min(max((y_low + y_high) >> 9, 0), np.int64(camera["height"]))
+    a, b, c = _homogeneous(vertices, i0), _homogeneous(vertices, i1), _homogeneous(vertices, i2)
+    fits, z, dzdx, dzdy = _depth_plane(a, b, c, xr, yr, camera)
+    material = spread(np.int64(instances[instance]["material"]), t)
+    if mesh["slot"] >= 0:
+        material = material + at(slots, t + np.int64(mesh["slot"]))
+    kept = fits & (load8(_COUNTING, 0) < n)
+    mask = mask_of(kept)
+    count = np.int64(count_set(mask))
+    if place + count > limit:
+        return place + count
+    to = (rank8(mask) + place) * WORDS
+    put_where(words, to, x0, kept)
+    put_where(words, to + 1, where(positive, x1, x2), kept)
+    put_where(words, to + 2, where(positive, x2, x1), kept)
+    put_where(words, to + 3, y0, kept)
+    put_where(words, to + 4, where(positive, y1, y2), kept)
+    put_where(words, to + 5, where(positive, y2, y1), kept)
+    put_where(words, to + 6, x_low, kept)
+    put_where(words, to + 7, y_low, kept)
+    put_where(words, to + 8, x_high, kept)
+    put_where(words, to + 9, y_high, kept)
+    put_where(words, to + 10, as_int(z), kept)
+    put_where(words, to + 11, as_int(dzdx), kept)
+    put_where(words, to + 12, as_int(dzdy), kept)
+    put_where(words, to + 13, xr, kept)
+    put_where(words, to + 14, yr, kept)
+    put_where(words, to + 15, splat8_int(instance), kept)
+    put_where(words, to + 16, t, kept)
+    put_where(words, to + 17, material, kept)
+    put_where(words, to + 18, at(sided, (material, 1)), kept)
+    put_where(words, to + 19, splat8_int(0), kept)
+    put_where(words, to + 20, splat8_int(0), kept)
+    return place + count
+
+
+@kernel
+def _corners_of(triangles, row: i32x8, start: int):
+    return at(triangles, (row, 0)) + start, at(triangles, (row, 1)) + start, at(triangles, (row, 2)) + start
+
+
+@kernel
+def _homogeneous(vertices, row: i32x8):
+    return at(vertices, (row, 0)), at(vertices, (row, 1)), at(vertices, (row, 2)), at(vertices, (row, 3))
+
+
+@kernel
 def assemble_triangles(
-    instances, meshes, positions, triangles, slots, materials, camera_table, raster_from_object, vertices, clip_planes, jobs, first_job,
-    last_job, polygon, scratch, world, world_scratch, screen, first_place, limit, counts, chunk,
+    instances, meshes, positions, triangles, slots, materials, camera_table, raster_from_object, vertices, snapped, clip_planes, sided,
+    sample_low, sample_high, jobs, first_job, last_job, polygon, scratch, world, world_scratch, queue, screen, words, first_place, limit,
+    counts, chunk,
 ):  # fmt: skip
     """Fill `screen` from `first_place` up to `limit` with the triangles of some jobs; counts[chunk] is how many there are in all.
 
     A job is (instance, first, last, place): a range of its mesh's triangles, and where its vertices begin. clip_planes (n, 4): clip to
-    these in world space (FoCG 8.1.4); none: clip in homogeneous coordinates (FoCG 8.1.5).
+    these in world space (FoCG 8.1.4); none: clip in homogeneous coordinates (FoCG 8.1.5). sided (materials, 2) int32: double-sidedness and
+    alpha mode. Samples lie sample_low to sample_high from their pixel's centre. queue (16,) int32: scratch. words: `screen` as int32.
+
+    Eight triangles are looked at at once; those that may be seen wait in the queue until there are eight of them.
     """
-    in_world = clip_planes.shape[0] > 0
+    geometry = (instances, meshes, positions, triangles, slots, materials)
+    frame = (vertices, snapped, raster_from_object)
+    polygons = (polygon, scratch, world, world_scratch)
     camera = camera_table[0]
-    width, height, near = f32(camera["width"]), f32(camera["height"]), camera["near"]
+    width, height = np.int64(camera["width"]), np.int64(camera["height"])
+    samples = (sample_low, sample_high)
     place = first_place
     for k in range(first_job, last_job):
-        instance, start = jobs[k, 0], jobs[k, 3]
+        instance, start, last = jobs[k, 0], jobs[k, 3], jobs[k, 2]
+        job = (instance, start)
         mesh = meshes[instances[instance]["mesh"]]
-        facing = -1 if instances[instance]["flipped"] != 0 else 1
-        for t in range(jobs[k, 1], jobs[k, 2]):
-            row = mesh["triangle"] + t
-            a = _corner(vertices, start + triangles[row, 0])
-            b = _corner(vertices, start + triangles[row, 1])
-            c = _corner(vertices, start + triangles[row, 2])
-            if not (_is_number(a) and _is_number(b) and _is_number(c)) or (not in_world and _outside_picture(a, b, c, width, height)):
+        facing = instances[instance]["flipped"] == 0
+        waiting = 0
+        for first in range(jobs[k, 1], last, 8):
+            t = min(load8(_COUNTING, 0) + first, last - 1)
+            i0, i1, i2 = _corners_of(triangles, t + np.int64(mesh["triangle"]), start)
+            points = _screen_points(snapped, i0, i1, i2)
+            x0, y0, x1, y1, x2, y2 = points
+            if clip_planes.shape[0] > 0 or any_of((x0 == UNSNAPPED) | (x1 == UNSNAPPED) | (x2 == UNSNAPPED)):
+                place = _emit_eight(queue, waiting, job, geometry, frame, screen, words, place, limit, camera, sided) if waiting else place
+                waiting = 0
+                for one in range(first, min(first + 8, last)):
+                    place = _assemble_one(job, one, geometry, frame, clip_planes, polygons, screen, place, limit, camera)
                 continue
-            material = instances[instance]["material"]
+            is_area, positive = _is_counterclockwise(points)
+            material = spread(np.int64(instances[instance]["material"]), t)
             if mesh["slot"] >= 0:
-                material = material + slots[mesh["slot"] + t]
-            double_sided = materials[material]["double_sided"] != 0
-            before = place
-            if not in_world and inside_all(a, near) and inside_all(b, near) and inside_all(c, near):
-                x0, y0 = _snap(a[0], a[3]), _snap(a[1], a[3])
-                x1, y1 = _snap(b[0], b[3]), _snap(b[1], b[3])
-                x2, y2 = _snap(c[0], c[3]), _snap(c[1], c[3])
-                place += _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, (a, b, c), camera, facing, double_sided)
-            else:
-                if in_world:
-                    p = mesh["position"]
-                    oa = _object_point(positions, p + triangles[row, 0])
-                    ob = _object_point(positions, p + triangles[row, 1])
-                    oc = _object_point(positions, p + triangles[row, 2])
-                    to_raster = raster_from_object[instance]
-                    n = _clip_in_world(polygon, world, world_scratch, (a, b, c), (oa, ob, oc), instances[instance], to_raster, clip_planes)
-                else:
-                    for i in range(4):
-                        polygon[0, i], polygon[1, i], polygon[2, i] = a[i], b[i], c[i]
-                    n = clip_polygon(polygon, scratch, near)
-                for i in range(1, n - 1):
-                    x0, y0 = _snap(polygon[0, 0], polygon[0, 3]), _snap(polygon[0, 1], polygon[0, 3])
-                    x1, y1 = _snap(polygon[i, 0], polygon[i, 3]), _snap(polygon[i, 1], polygon[i, 3])
-                    x2, y2 = _snap(polygon[i + 1, 0], polygon[i + 1, 3]), _snap(polygon[i + 1, 1], polygon[i + 1, 3])
-                    place += _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, (a, b, c), camera, facing, double_sided)
-            for i in range(before, min(place, limit)):
-                screen[i]["instance"], screen[i]["triangle"] = instance, t
-                screen[i]["material"], screen[i]["alpha_mode"] = material, materials[material]["alpha_mode"]
+                material = material + at(slots, t + np.int64(mesh["slot"]))
+            is_front = (positive ^ (not facing)) | (at(sided, (material, 0)) != 0)
+            in_columns = _touches(min(x0, min(x1, x2)), max(x0, max(x1, x2)), samples, width)
+            in_rows = _touches(min(y0, min(y1, y2)), max(y0, max(y1, y2)), samples, height)
+            kept = mask_of(is_area & is_front & in_columns & in_rows & (load8(_COUNTING, 0) < last - first))
+            while kept != 0:
+                queue[waiting] = first + first_set(kept)
+                kept = kept & (kept - 1)
+                waiting += 1
+            if waiting >= 8:
+                place = _emit_eight(queue, 8, job, geometry, frame, screen, words, place, limit, camera, sided)
+                for s in range(8, waiting):
+                    queue[s - 8] = queue[s]
+                waiting -= 8
+        if waiting:
+            place = _emit_eight(queue, waiting, job, geometry, frame, screen, words, place, limit, camera, sided)
     counts[chunk] = place - first_place
 
 
 @kernel
-def _tile_range(screen_triangle, tile_size, columns, rows):
-    """(first column, last, first row, last) of the tiles whose samples a triangle may cover."""
+def _tile_range(screen_triangle, column_of, row_of):
+    """(first column, last, first row, last) of the tiles whose samples a triangle may cover.
+
+    column_of (width,), row_of (height,) int32: the tile of each pixel.
+    """
     half = SUBPIXELS // 2
     low, high = screen_triangle["low"], screen_triangle["high"]
-    side = tile_size * SUBPIXELS
+    right, top = column_of.shape[0] - 1, row_of.shape[0] - 1
     # A pixel's samples reach half a pixel around its centre.
-    c0 = max(0, (low[0] - half) // side)
-    c1 = min(columns - 1, (high[0] + half) // side)
-    r0 = max(0, (low[1] - half) // side)
-    r1 = min(rows - 1, (high[1] + half) // side)
-    return c0, c1, r0, r1
+    i0, i1 = (low[0] - half) >> 8, (high[0] + half) >> 8
+    j0, j1 = (low[1] - half) >> 8, (high[1] + half) >> 8
+    if i0 > right or i1 < 0 or j0 > top or j1 < 0:
+        return 0, -1, 0, -1
+    c0, c1 = column_of[max(i0, 0)], column_of[min(i1, right)]
+    return np.int64(c0), np.int64(c1), np.int64(row_of[max(j0, 0)]), np.int64(row_of[min(j1, top)])
 
 
 @kernel
-def count_bins(screen, first, last, tile_size, columns, rows, bin_counts, chunk):
+def count_bins(screen, first, last, column_of, row_of, columns, bin_counts, chunk):
     """Count for each tile the triangles of one chunk that may touch it: bin_counts (chunks, tiles)."""
     for k in range(first, last):
-        c0, c1, r0, r1 = _tile_range(screen[k], tile_size, columns, rows)
+        c0, c1, r0, r1 = _tile_range(screen[k], column_of, row_of)
         for r in range(r0, r1 + 1):
             for c in range(c0, c1 + 1):
                 bin_counts[chunk, r * columns + c] += 1
 
 
 @kernel
-def bin_triangles(screen, first, last, tile_size, columns, rows, bin_places, chunk, binned):
+def bin_triangles(screen, first, last, column_of, row_of, columns, bin_places, chunk, binned):
     """Write one chunk's triangles into the tiles' lists, in order; bin_places (chunks, tiles) moves on."""
     for k in range(first, last):
-        c0, c1, r0, r1 = _tile_range(screen[k], tile_size, columns, rows)
+        c0, c1, r0, r1 = _tile_range(screen[k], column_of, row_of)
         for r in range(r0, r1 + 1):
             for c in range(c0, c1 + 1):
                 tile = r * columns + c

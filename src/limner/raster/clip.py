@@ -38,7 +38,7 @@ def inside_all(vertex, near: np.float32) -> bool:
     """Whether a vertex needs no clipping."""
     x, y, depth, w = vertex[0], vertex[1], vertex[2], vertex[3]
     limit = GUARD_BAND * w
-    return depth >= near and -limit <= x and x <= limit and -limit <= y and y <= limit
+    return (depth >= near) & (-limit <= x) & (x <= limit) & (-limit <= y) & (y <= limit)
 
 
 @kernel

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
-    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INSTANCE_WORD", "INT_ROWS", "MATERIAL_WORD", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE",
-    "SUBPIXELS", "TRIANGLE_WORD",
+    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INSTANCE_WORD", "INT_ROWS", "MATERIAL_WORD", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE",
+    "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS", "TRIANGLE_WORD", "UNSNAPPED", "WORDS",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -22,6 +22,9 @@ FLOAT_ROWS, INT_ROWS = 14, 11
 
 GUARD_BAND = f32(1 << 19)
 """Pixels from the origin beyond which triangles are clipped, so that edge functions fit 64 bits with room to spare."""
+
+UNSNAPPED = np.int32(-(2**31))
+"""The x of a vertex that clipping has to deal with."""
 
 MAX_CLIPPED = 12
 """Vertices that a triangle can have after clipping against five planes, and some."""
@@ -51,6 +54,9 @@ def _word(field: str) -> int:
     offset: int = SCREEN_TRIANGLE.fields[field][1]  # type: ignore[index]
     return offset // 4
 
+
+WORDS = SCREEN_TRIANGLE.itemsize // 4
+"""Of a screen triangle, if it is taken as a row of int32 (`assemble._emit_eight` writes them one by one)."""
 
 INSTANCE_WORD, MATERIAL_WORD, TRIANGLE_WORD = _word("instance"), _word("material"), _word("triangle")
 """Where a screen triangle has these, if it is taken as a row of int32."""

@@ -22,7 +22,7 @@ from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
-from .layouts import CUT, FLOAT_ROWS, INT_ROWS, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE
+from .layouts import CUT, FLOAT_ROWS, INT_ROWS, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE, SUBPIXELS, WORDS
 from .pyramid import pyramid_planes
 
 __all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
@@ -35,8 +35,8 @@ _TRANSFORM = Door(
     "limner.raster.vertex",
     "transform_vertices",
     (
-        Array(layouts.MESH_RANGES, 1), Array(layouts.INSTANCE, 1), Array(np.float32, 2), Array(np.float32, 3), Array(np.int64, 2),
-        _I64, _I64, Array(np.float32, 2),
+        Array(layouts.MESH_RANGES, 1), Array(layouts.INSTANCE, 1), Array(np.float32, 2), Array(np.float32, 3), Scalar(np.float32),
+        Array(np.int64, 2), _I64, _I64, Array(np.float32, 2), Array(np.int32, 1),
     ),
     "the vertex stage",
 )  # fmt: skip
@@ -46,9 +46,10 @@ _ASSEMBLE = Door(
     "assemble_triangles",
     (
         Array(layouts.INSTANCE, 1), Array(layouts.MESH_RANGES, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1),
-        Array(layouts.MATERIAL, 1), Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.float32, 2), Array(np.float64, 2),
+        Array(layouts.MATERIAL, 1), Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.float32, 2), Array(np.int32, 1),
+        Array(np.float64, 2), Array(np.int32, 2), _I64, _I64,
         Array(np.int64, 2), _I64, _I64, Array(np.float32, 2), Array(np.float32, 2), Array(np.float64, 2), Array(np.float64, 2),
-        Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int64, 1), _I64,
+        Array(np.int32, 1), Array(SCREEN_TRIANGLE, 1), Array(np.int32, 1), _I64, _I64, Array(np.int64, 1), _I64,
     ),
     "primitive assembly and clipping",
 )  # fmt: skip
@@ -56,14 +57,14 @@ _ASSEMBLE = Door(
 _COUNT = Door(
     "limner.raster.assemble",
     "count_bins",
-    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, _I64, _I64, _I64, Array(np.int64, 2), _I64),
+    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64),
     "binning",
 )
 
 _BIN = Door(
     "limner.raster.assemble",
     "bin_triangles",
-    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, _I64, _I64, _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
+    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
     "binning",
 )
 
@@ -169,8 +170,9 @@ def prepare(
         Takes what a person should know about the picture, in one line.
     """
     height, width = film.shape[:2]
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note)
-    words = bins.screen.view(np.int32).reshape(len(bins.screen), SCREEN_TRIANGLE.itemsize // 4)
+    reach = int(sample_places.min()), int(sample_places.max())
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach)
+    words = bins.screen.view(np.int32).reshape(len(bins.screen), WORDS)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
@@ -218,7 +220,7 @@ def draw_channels(
         As in `prepare`.
     """
     height, width = ids.shape[:2]
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree)
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, samples=(0, 0))
     scratch = PerThread(lambda: _scratch(tile_size * tile_size)[:2])
 
     def draw_tile(tile: Tile) -> None:
@@ -238,11 +240,15 @@ def _geometry(
     clipping: str = "homogeneous",
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
+    samples: tuple[int, int] = (-SUBPIXELS // 2, SUBPIXELS // 2),
 ) -> tuple[Vertices, Bins]:
-    """The stages before the pixels: vertices, assembly and clipping, the painter's order where it is wanted, bins."""
-    vertices = _transform(tables, view, threads)
+    """The stages before the pixels: vertices, assembly and clipping, the painter's order where it is wanted, bins.
+
+    Triangles that miss all samples are left out: `samples` is how far these lie to the left and right of their pixel's centre at most.
+    """
+    vertices, snapped = _transform(tables, view, threads)
     clip_planes = pyramid_planes(view.camera) if clipping == "world" else np.zeros((0, 4))
-    chunks, screen = _assemble(tables, view, vertices, clip_planes, threads)
+    chunks, screen = _assemble(tables, view, vertices, snapped, clip_planes, samples, threads)
     cuts = np.zeros(0, dtype=CUT)
     if hidden_surfaces == "painter":
         whole = np.concatenate([np.zeros(0, dtype=SCREEN_TRIANGLE), *(screen[a:b] for a, b in chunks)])
@@ -277,27 +283,39 @@ def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[ND
     return np.array(rows, dtype=np.int64).reshape(-1, 4), groups
 
 
-def _transform(tables: SceneTables, view: View, threads: int) -> Vertices:
+def _transform(tables: SceneTables, view: View, threads: int) -> tuple[Vertices, NDArray[np.int32]]:
+    """The vertices, and their places on the subpixel grid."""
     counts = tables.meshes["n_positions"][tables.instances["mesh"]].astype(np.int64) if len(tables.instances) else np.zeros(0, np.int64)
     first_vertex = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     transformed = np.empty((int(first_vertex[-1]), 4), dtype=np.float32)
+    snapped = np.empty(2 * len(transformed), dtype=np.int32)
+    near = view.camera[0]["near"]
     jobs, groups = _jobs(tables, "n_positions", first_vertex)
     run_all(
-        lambda group: _TRANSFORM(tables.meshes, tables.instances, tables.positions, view.raster_from_object, jobs, *group, transformed),
+        lambda group: _TRANSFORM(
+            tables.meshes, tables.instances, tables.positions, view.raster_from_object, near, jobs, *group, transformed, snapped
+        ),
         groups,
         threads,
-    )
-    return Vertices(transformed, first_vertex)
+    )  # fmt: skip
+    return Vertices(transformed, first_vertex), snapped
 
 
 def _assemble(
-    tables: SceneTables, view: View, vertices: Vertices, clip_planes: NDArray[np.float64], threads: int
+    tables: SceneTables,
+    view: View,
+    vertices: Vertices,
+    snapped: NDArray[np.int32],
+    clip_planes: NDArray[np.float64],
+    samples: tuple[int, int],
+    threads: int,
 ) -> tuple[list[tuple[int, int]], NDArray[np.void]]:
     """Screen triangles in chunks with gaps between; clipping can make more of them than there were, and then it runs again."""
     jobs, groups = _jobs(tables, "n_triangles", vertices.first_vertex)
     sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
     counts = np.zeros(len(groups), dtype=np.int64)
     capacity = sizes + 64
+    sided = np.ascontiguousarray(np.stack([tables.materials["double_sided"], tables.materials["alpha_mode"]], axis=1), dtype=np.int32)
     while True:
         places = np.concatenate([[0], np.cumsum(capacity)]).astype(np.int64)
         screen = np.empty(int(places[-1]), dtype=SCREEN_TRIANGLE)
@@ -307,8 +325,9 @@ def _assemble(
             world, world_scratch = (np.empty((MAX_CLIPPED, 6)) for _ in range(2))  # position and barycentric coordinates
             _ASSEMBLE(
                 tables.instances, tables.meshes, tables.positions, tables.triangles, tables.slots, tables.materials, view.camera,
-                view.raster_from_object, vertices.transformed, clip_planes, jobs, *groups[chunk], polygon, scratch, world, world_scratch,
-                screen, int(places[chunk]), int(places[chunk + 1]), counts, chunk,
+                view.raster_from_object, vertices.transformed, snapped, clip_planes, sided, *samples, jobs, *groups[chunk], polygon,
+                scratch, world, world_scratch, np.zeros(16, dtype=np.int32), screen, screen.view(np.int32), int(places[chunk]),
+                int(places[chunk + 1]), counts, chunk,
             )  # fmt: skip
 
         run_all(assemble, range(len(groups)), threads)
@@ -328,11 +347,12 @@ def _bin(
 ) -> Bins:
     columns, rows = -(-width // tile_size), -(-height // tile_size)
     counts = np.zeros((max(len(chunks), 1), columns * rows), dtype=np.int64)
-    run_all(lambda k: _COUNT(screen, *chunks[k], tile_size, columns, rows, counts, k), range(len(chunks)), threads)
+    tile_of = [(np.arange(size, dtype=np.int32) // tile_size) for size in (width, height)]
+    run_all(lambda k: _COUNT(screen, *chunks[k], *tile_of, columns, counts, k), range(len(chunks)), threads)
     ranges = np.concatenate([[0], np.cumsum(counts.sum(axis=0))]).astype(np.int64)
     places = np.ascontiguousarray(ranges[:-1] + np.cumsum(counts, axis=0) - counts)
     binned = np.empty(int(ranges[-1]), dtype=np.int32)
-    run_all(lambda k: _BIN(screen, *chunks[k], tile_size, columns, rows, places, k, binned), range(len(chunks)), threads)
+    run_all(lambda k: _BIN(screen, *chunks[k], *tile_of, columns, places, k, binned), range(len(chunks)), threads)
     return Bins(screen, cuts, binned, ranges)
 
 

@@ -108,7 +108,6 @@ class Film:
         total = int(bad.sum())
         if not total:
             return ()
-        is_bad: NDArray[np.bool_] = ~np.isfinite(self.sums[::-1]).all(axis=2)
-        rows, columns = np.nonzero(is_bad)
+        rows, columns, _ = np.nonzero(~np.isfinite(self.sums[::-1]))
         place = f", the first at x = {columns[0]}, y = {rows[0]}" if len(rows) else ""
         return (f"{total} pixels are not finite and were made black{place}",)

@@ -31,6 +31,7 @@ from .image.recipe import Recipe
 from .progress import Meter, OnProgress
 from .raster import pipeline
 from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
+from .raster.memory import Memory
 from .raytrace import driver
 from .samples import pixel_samples
 from .scene.camera import Camera
@@ -154,6 +155,7 @@ class _Frame(NamedTuple):
     built: Built
     view: View
     film: Film
+    memory: Memory
     work: Work
     messages: tuple[str, ...]
 
@@ -224,7 +226,7 @@ class Renderer:
     def close(self) -> None:
         """Let go of what is kept."""
         self._built: Built | None = None
-        self._spare_film: Film | None = None
+        self._spare: tuple[Film, Memory] | None = None
         self._tree: tuple[Built, Accelerator] | None = None
         self._sky: tuple[Environment | None, NDArray[np.float32] | None, NDArray[np.float32] | None] = (None, None, None)
 
@@ -333,7 +335,7 @@ class Renderer:
                 self.slips = film.slips(bad)
                 picture = pixels if encode else self._image(frame, pixels, extra, finished=True)
                 if last == ends[-1]:
-                    self._spare_film = film
+                    self._spare = film, frame.memory
                 yield picture
             first = last
 
@@ -371,14 +373,14 @@ class Renderer:
         built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster)
         self._built = built
         seen = view(scene, built.tables, scene.camera, self._width, self._height)
-        film, self._spare_film = self._spare_film or Film(self._width, self._height, self._tile_size), None
+        (film, memory), self._spare = self._spare or (Film(self._width, self._height, self._tile_size), Memory()), None
         light, background = self._lighting(scene, built), _background(scene)
         notes: list[str] = []
         if is_raster:
             work: Work = pipeline.prepare(
                 built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
                 tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
-                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append,
+                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append, memory=memory,
             )  # fmt: skip
         elif self._renderer == "ray":
             work = driver.prepare(
@@ -389,7 +391,7 @@ class Renderer:
             work = driver.prepare_paths(
                 built.tables, self._accelerator(built), light, seen, background, film.sums, max_depth=self._max_depth, seed=self._seed
             )
-        return _Frame(scene, scene.camera, built, seen, film, work, (*messages, *notes))
+        return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
 
     def _accelerator(self, built: Built) -> Accelerator:
         """The tree over the scene; the last one while nothing in it has moved."""

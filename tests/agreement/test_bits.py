@@ -79,7 +79,7 @@ def test_every_cpu_computes_the_same(as_python, for_any_cpu):
 
 def _of_one(types: str) -> str:
     """A signature with the lanes as if they were numbers."""
-    for lanes, number in (("f32x8", "float32"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"), ("3x8", "3"), ("rx8", "r")):
+    for lanes, number in (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"), ("3x8", "3"), ("rx8", "r")):
         types = types.replace(lanes, number)
     return re.sub(r"(\w+) x (\d+)", lambda many: ", ".join([many[1]] * int(many[2])), types)
 

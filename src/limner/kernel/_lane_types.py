@@ -18,8 +18,8 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, models, regist
 
 __all__ = [
     "BOOL_LANES", "DOUBLE_LANES", "FLOAT_LANES", "INT_LANES", "LONG_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "double",
-    "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put", "put_where",
-    "rank8", "register", "single", "splat8", "splat8_int", "spread", "spread_value", "store8", "store_rows", "sum8", "to_float",
+    "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put",
+    "register", "single", "splat8", "splat8_int", "spread", "spread_value", "store8", "store_rows", "store_words", "sum8", "to_float",
     "to_int", "vector_call", "where",
 ]  # fmt: skip
 
@@ -387,20 +387,6 @@ highest = _reduction(">", "The number itself, or the greatest of eight (of lanes
 
 
 @intrinsic  # type: ignore[misc]
-def rank8(typingctx: Any, mask: Any) -> Any:
-    """How many lower lanes a mask has, for each lane."""
-
-    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        made, count = ir.Constant(INT_LANES.vector, ir.Undefined), _I32(0)
-        for k in range(_EIGHT):
-            made = builder.insert_element(made, count, _I32(k))
-            count = builder.add(count, builder.and_(builder.lshr(args[0], _I32(k)), _I32(1)))
-        return made
-
-    return (INT_LANES(types.int32), lower) if isinstance(mask, types.Integer) else None
-
-
-@intrinsic  # type: ignore[misc]
 def sum8(typingctx: Any, v: Any) -> Any:
     """The sum of eight integers."""
 
@@ -598,15 +584,30 @@ def _scatter(context: Any, builder: Any, array_type: Any, array: Any, index: Any
 
 
 @intrinsic  # type: ignore[misc]
-def put_where(typingctx: Any, array: Any, index: Any, v: Any, condition: Any) -> Any:
-    """As `put`, the lanes only where a condition holds."""
-    if _lanes_in(array) != v or index != INT_LANES or not array.mutable or condition != BOOL_LANES:
+def store_words(typingctx: Any, array: Any, start: Any, step: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Write (a, b, c, d) of lane k to array[start + step k :] for all eight: a part of eight rows of a table of int32."""
+    fits = _lanes_in(array) == INT_LANES and array.mutable and isinstance(start, types.Integer) and isinstance(step, types.Integer)
+    if not fits or (a, b, c, d) != (INT_LANES,) * 4:
         return None
+    four = ir.VectorType(_I32, 4)
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _scatter(context, builder, sig.args[0], *args)
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
 
-    return types.void(array, index, v, condition), lower
+        def shuffled(x: Any, y: Any, lanes: list[int]) -> Any:
+            return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(_I32, len(lanes)), lanes))
+
+        for half in (0, 4):
+            pairs = [[half + k, half + k + 8, half + k + 1, half + k + 9] for k in (0, 2)]
+            ab, cd = ([shuffled(args[n], args[n + 1], lanes) for lanes in pairs] for n in (3, 5))
+            for k in range(4):
+                first = 2 * (k % 2)
+                row = shuffled(ab[k // 2], cd[k // 2], [first, first + 1, first + 4, first + 5])
+                place = builder.add(args[1], builder.mul(args[2], _I64(half + k)))
+                builder.store(row, builder.bitcast(builder.gep(data, [place]), ir.PointerType(four))).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64, types.int64, a, b, c, d), lower
 
 
 @intrinsic  # type: ignore[misc]

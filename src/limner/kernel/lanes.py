@@ -31,8 +31,8 @@ from .._jit import MODE
 
 __all__ = [
     "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set", "four_bytes",
-    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put", "put_where",
-    "rank8", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "sum8", "to_float", "to_int", "where",
+    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put",
+    "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -212,8 +212,6 @@ if MODE == "compiled":
         lowest,
         mask_of,
         put,
-        put_where,
-        rank8,
         register,
         single,
         splat8,
@@ -221,6 +219,7 @@ if MODE == "compiled":
         spread,
         store8,
         store_rows,
+        store_words,
         sum8,
         to_float,
         to_int,
@@ -293,11 +292,10 @@ else:
         """Eight times the integer x."""
         return i32x8(np.full(8, np.int64(x), dtype=np.int64).astype(np.int32))
 
-    def put_where(array: np.ndarray, index: i32x8, v: Any, condition: bool8) -> None:
-        """As `put`, the lanes only where a condition holds."""
-        for place, value, holds in zip(index.values, v.values, condition.values, strict=True):
-            if holds:
-                array[place] = value
+    def store_words(array: np.ndarray, start: int, step: int, a: i32x8, b: i32x8, c: i32x8, d: i32x8) -> None:
+        """Write (a, b, c, d) of lane k to array[start + step k :] for all eight: a part of eight rows of a table of int32."""
+        for k in range(8):
+            array[start + step * k : start + step * k + 4] = [v.values[k] for v in (a, b, c, d)]
 
     def add_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
         """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
@@ -333,11 +331,6 @@ else:
         places = np.int64(start) + 4 * np.int64(index.values if isinstance(index, _Lanes) else index)
         words = array[places[..., None] + np.arange(4)].astype("<u1").view("<i4")[..., 0]
         return i32x8(words) if isinstance(index, _Lanes) else np.int32(words)
-
-    def rank8(mask: int) -> i32x8:
-        """How many lower lanes a mask has, for each lane."""
-        bits = np.unpackbits(np.uint8(int(mask) & 255), bitorder="little").astype(np.int64)
-        return i32x8(np.cumsum(bits) - bits)
 
     def sum8(v: i32x8) -> np.int32:
         """The sum of eight integers."""

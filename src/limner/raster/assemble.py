@@ -7,27 +7,27 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.elementary import as_int
 from ..kernel.lanes import (
+    all_of,
     any_of,
     at,
-    count_set,
     double,
     first_set,
     i32x8,
+    lane,
     load8,
     long8,
     mask_of,
     max,
     min,
-    put_where,
-    rank8,
     single,
     splat8_int,
     spread,
+    store_words,
     where,
 )
 from ..tables.layouts import ORTHOGRAPHIC
 from .clip import clip_polygon
-from .layouts import SUBPIXELS, UNSNAPPED, WORDS
+from .layouts import HIGH_WORD, LOW_WORD, SUBPIXELS, UNSNAPPED, WORDS
 from .plane_clip import clip_triangle_to_planes
 from .vertex import snap
 
@@ -35,6 +35,7 @@ __all__ = ["assemble_triangles", "bin_triangles", "count_bins", "screen_plane"]
 
 f32, f64, i32 = np.float32, np.float64, np.int32
 _COUNTING = np.arange(8, dtype=np.int32)
+_NOWHERE = 1 << 30
 
 
 @kernel
@@ -221,11 +222,25 @@ def _screen_points(snapped, i0: i32x8, i1: i32x8, i2: i32x8):
 
 
 @kernel
-def _touches(low: i32x8, high: i32x8, places, pixels: int):
-    """Whether some sample of the picture's columns (or rows) lies between two places: most tiny triangles miss them all."""
-    half_open = (low - places[1] + (SUBPIXELS - 1)) >> 8
-    first, last = max(half_open, 0), min((high - places[0]) >> 8, pixels - 1)
-    return first <= last
+def _samples_between(low: i32x8, high: i32x8, places, pixels: int):
+    """(first, last) of the picture's columns (or rows) that may have a sample between two places."""
+    return max((low - places[1] + (SUBPIXELS - 1)) >> 8, 0), min((high - places[0]) >> 8, pixels - 1)
+
+
+@kernel
+def _is_inside(xa: i32x8, ya: i32x8, xb: i32x8, yb: i32x8, x: i32x8, y: i32x8):
+    """Whether a point lies to the left of a -> b, or on it where that edge owns its points, as in `fill`; of tiny triangles."""
+    dx, dy = xb - xa, yb - ya
+    value = dx * (y - ya) - dy * (x - xa)
+    return (value > 0) | ((value == 0) & ((dy < 0) | ((dy == 0) & (dx < 0))))
+
+
+@kernel
+def _covers(points, positive, x: i32x8, y: i32x8):
+    """Whether tiny triangles cover a point of the subpixel grid."""
+    x0, y0, x1, y1, x2, y2 = points
+    xa, ya, xb, yb = where(positive, x1, x2), where(positive, y1, y2), where(positive, x2, x1), where(positive, y2, y1)
+    return _is_inside(xa, ya, xb, yb, x, y) & _is_inside(xb, yb, x0, y0, x, y) & _is_inside(x0, y0, xa, ya, x, y)
 
 
 @kernel
@@ -239,7 +254,7 @@ def _is_counterclockwise(points):
 
 @kernel
 def _emit_eight(queue, n: int, job, geometry, frame, screen, words, place: int, limit: int, camera, sided) -> int:
-    """Write the n <= 8 triangles in the queue, none of which has to be clipped. Returns the next place."""
+    """Write the n <= 8 triangles in the queue, none of which has to be clipped. Returns the next place; there must be room for eight."""
     instances, meshes, _, triangles, slots, _ = geometry
     vertices, snapped, _ = frame
     instance, start = job
@@ -259,34 +274,18 @@ def _emit_eight(queue, n: int, job, geometry, frame, screen, words, place: int, 
     material = spread(np.int64(instances[instance]["material"]), t)
     if mesh["slot"] >= 0:
         material = material + at(slots, t + np.int64(mesh["slot"]))
-    kept = fits & (load8(_COUNTING, 0) < n)
-    mask = mask_of(kept)
-    count = np.int64(count_set(mask))
-    if place + count > limit:
-        return place + count
-    to = (rank8(mask) + place) * WORDS
-    put_where(words, to, x0, kept)
-    put_where(words, to + 1, where(positive, x1, x2), kept)
-    put_where(words, to + 2, where(positive, x2, x1), kept)
-    put_where(words, to + 3, y0, kept)
-    put_where(words, to + 4, where(positive, y1, y2), kept)
-    put_where(words, to + 5, where(positive, y2, y1), kept)
-    put_where(words, to + 6, x_low, kept)
-    put_where(words, to + 7, y_low, kept)
-    put_where(words, to + 8, x_high, kept)
-    put_where(words, to + 9, y_high, kept)
-    put_where(words, to + 10, as_int(z), kept)
-    put_where(words, to + 11, as_int(dzdx), kept)
-    put_where(words, to + 12, as_int(dzdy), kept)
-    put_where(words, to + 13, xr, kept)
-    put_where(words, to + 14, yr, kept)
-    put_where(words, to + 15, splat8_int(instance), kept)
-    put_where(words, to + 16, t, kept)
-    put_where(words, to + 17, material, kept)
-    put_where(words, to + 18, at(sided, (material, 1)), kept)
-    put_where(words, to + 19, splat8_int(0), kept)
-    put_where(words, to + 20, splat8_int(0), kept)
-    return place + count
+    if place + 8 > limit:
+        return place + n  # the caller makes more room, and all is done again
+    # What has no depth stays in its place, with a box that is nowhere.
+    x_low, x_high = where(fits, x_low, _NOWHERE), where(fits, x_high, -_NOWHERE)
+    zero, mode, to = splat8_int(0), at(sided, (material, 1)), place * WORDS
+    store_words(words, to, WORDS, x0, where(positive, x1, x2), where(positive, x2, x1), y0)
+    store_words(words, to + 4, WORDS, where(positive, y1, y2), where(positive, y2, y1), x_low, y_low)
+    store_words(words, to + 8, WORDS, x_high, y_high, as_int(z), as_int(dzdx))
+    store_words(words, to + 12, WORDS, as_int(dzdy), xr, yr, splat8_int(instance))
+    store_words(words, to + 16, WORDS, t, material, mode, zero)
+    store_words(words, to + 20, WORDS, zero, zero, zero, zero)
+    return place + n
 
 
 @kernel
@@ -342,9 +341,14 @@ def assemble_triangles(
             if mesh["slot"] >= 0:
                 material = material + at(slots, t + np.int64(mesh["slot"]))
             is_front = (positive ^ (not facing)) | (at(sided, (material, 0)) != 0)
-            in_columns = _touches(min(x0, min(x1, x2)), max(x0, max(x1, x2)), samples, width)
-            in_rows = _touches(min(y0, min(y1, y2)), max(y0, max(y1, y2)), samples, height)
-            kept = mask_of(is_area & is_front & in_columns & in_rows & (load8(_COUNTING, 0) < last - first))
+            # Most tiny triangles miss all samples.
+            i, last_i = _samples_between(min(x0, min(x1, x2)), max(x0, max(x1, x2)), samples, width)
+            j, last_j = _samples_between(min(y0, min(y1, y2)), max(y0, max(y1, y2)), samples, height)
+            is_kept = is_area & is_front & (i <= last_i) & (j <= last_j) & (load8(_COUNTING, 0) < last - first)
+            if sample_low == sample_high:
+                has_many = (i < last_i) | (j < last_j)
+                is_kept = is_kept & (has_many | _covers(points, positive, i * SUBPIXELS + sample_low, j * SUBPIXELS + sample_low))
+            kept = mask_of(is_kept)
             while kept != 0:
                 queue[waiting] = first + first_set(kept)
                 kept = kept & (kept - 1)
@@ -360,40 +364,48 @@ def assemble_triangles(
 
 
 @kernel
-def _tile_range(screen_triangle, column_of, row_of):
-    """(first column, last, first row, last) of the tiles whose samples a triangle may cover.
+def _tiles_between(low: i32x8, high: i32x8, tile_of):
+    """(first, last) of the columns (or rows) of tiles whose samples may lie between two places; the first is after the last if none.
 
-    column_of (width,), row_of (height,) int32: the tile of each pixel.
+    tile_of (pixels,) int32: the tile of each pixel of a row (or column).
     """
-    half = SUBPIXELS // 2
-    low, high = screen_triangle["low"], screen_triangle["high"]
-    right, top = column_of.shape[0] - 1, row_of.shape[0] - 1
     # A pixel's samples reach half a pixel around its centre.
-    i0, i1 = (low[0] - half) >> 8, (high[0] + half) >> 8
-    j0, j1 = (low[1] - half) >> 8, (high[1] + half) >> 8
-    if i0 > right or i1 < 0 or j0 > top or j1 < 0:
-        return 0, -1, 0, -1
-    c0, c1 = column_of[max(i0, 0)], column_of[min(i1, right)]
-    return np.int64(c0), np.int64(c1), np.int64(row_of[max(j0, 0)]), np.int64(row_of[min(j1, top)])
+    half, end = SUBPIXELS // 2, tile_of.shape[0] - 1
+    first, last = (low - half) >> 8, (high + half) >> 8
+    is_none = (first > end) | (last < 0)
+    return where(is_none, 1, at(tile_of, min(max(first, 0), end))), where(is_none, 0, at(tile_of, min(max(last, 0), end)))
 
 
 @kernel
-def count_bins(screen, first, last, column_of, row_of, columns, bin_counts, chunk):
-    """Count for each tile the triangles of one chunk that may touch it: bin_counts (chunks, tiles)."""
-    for k in range(first, last):
-        c0, c1, r0, r1 = _tile_range(screen[k], column_of, row_of)
-        for r in range(r0, r1 + 1):
-            for c in range(c0, c1 + 1):
-                bin_counts[chunk, r * columns + c] += 1
+def count_bins(words, first, last, column_of, row_of, columns, bin_counts, chunk, touched):
+    """Count for each tile the triangles of one chunk that may touch it: bin_counts (chunks, tiles).
+
+    words: the screen triangles as int32. touched (4 n,) int32 becomes the first and last column and row of tiles of each triangle: a sixth
+    of what it was read from.
+    """
+    for start in range(first, last, 8):
+        row = min(load8(_COUNTING, 0) + start, last - 1)
+        c0, c1 = _tiles_between(at(words, (row, LOW_WORD)), at(words, (row, HIGH_WORD)), column_of)
+        r0, r1 = _tiles_between(at(words, (row, LOW_WORD + 1)), at(words, (row, HIGH_WORD + 1)), row_of)
+        store_words(touched, 4 * start, 4, c0, c1, r0, r1)
+        tile = r0 * columns + c0
+        is_one = (c0 == c1) & (r0 == r1)
+        for s in range(min(8, last - start)):
+            k = 4 * (start + s)
+            if all_of(is_one):
+                bin_counts[chunk, lane(tile, s)] += 1
+                continue
+            for r in range(touched[k + 2], touched[k + 3] + 1):
+                for c in range(touched[k], touched[k + 1] + 1):
+                    bin_counts[chunk, r * columns + c] += 1
 
 
 @kernel
-def bin_triangles(screen, first, last, column_of, row_of, columns, bin_places, chunk, binned):
+def bin_triangles(touched, first, last, columns, bin_places, chunk, binned):
     """Write one chunk's triangles into the tiles' lists, in order; bin_places (chunks, tiles) moves on."""
     for k in range(first, last):
-        c0, c1, r0, r1 = _tile_range(screen[k], column_of, row_of)
-        for r in range(r0, r1 + 1):
-            for c in range(c0, c1 + 1):
+        for r in range(touched[4 * k + 2], touched[4 * k + 3] + 1):
+            for c in range(touched[4 * k], touched[4 * k + 1] + 1):
                 tile = r * columns + c
                 binned[bin_places[chunk, tile]] = k
                 bin_places[chunk, tile] += 1

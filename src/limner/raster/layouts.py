@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
-    "CUT", "FLOAT_ROWS", "GUARD_BAND", "INSTANCE_WORD", "INT_ROWS", "MATERIAL_WORD", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE",
-    "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS", "TRIANGLE_WORD", "UNSNAPPED", "WORDS",
+    "CUT", "FLOAT_ROWS", "GUARD_BAND", "HIGH_WORD", "INSTANCE_WORD", "INT_ROWS", "LOW_WORD", "MATERIAL_WORD", "MAX_CLIPPED",
+    "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS", "TRIANGLE_WORD", "UNSNAPPED", "WORDS",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -46,6 +46,7 @@ SCREEN_TRIANGLE = np.dtype(
         ("alpha_mode", i32),
         ("first_cut", i32),  # row of the cuts that bound the part of it that is meant
         ("n_cuts", i32),
+        ("unused", i32, 3),  # a row takes a whole number of registers
     ],
     align=True,
 )
@@ -59,6 +60,7 @@ WORDS = SCREEN_TRIANGLE.itemsize // 4
 """Of a screen triangle, if it is taken as a row of int32 (`assemble._emit_eight` writes them one by one)."""
 
 INSTANCE_WORD, MATERIAL_WORD, TRIANGLE_WORD = _word("instance"), _word("material"), _word("triangle")
+LOW_WORD, HIGH_WORD = _word("low"), _word("high")
 """Where a screen triangle has these, if it is taken as a row of int32."""
 
 CUT = np.dtype(

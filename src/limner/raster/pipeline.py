@@ -23,6 +23,7 @@ from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
 from .layouts import CUT, FLOAT_ROWS, INT_ROWS, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE, SUBPIXELS, WORDS
+from .memory import Memory
 from .pyramid import pyramid_planes
 
 __all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
@@ -57,14 +58,14 @@ _ASSEMBLE = Door(
 _COUNT = Door(
     "limner.raster.assemble",
     "count_bins",
-    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64),
+    (Array(np.int32, 2), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
     "binning",
 )
 
 _BIN = Door(
     "limner.raster.assemble",
     "bin_triangles",
-    (Array(SCREEN_TRIANGLE, 1), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
+    (Array(np.int32, 1), _I64, _I64, _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
     "binning",
 )
 
@@ -142,6 +143,7 @@ def prepare(
     clipping: str = "homogeneous",
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
+    memory: Memory | None = None,
 ) -> Callable[[Tile, int, int], bool]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
 
@@ -168,11 +170,13 @@ def prepare(
         Of the painter (`painter.build_tree`), if it is there already.
     on_note : callable, optional
         Takes what a person should know about the picture, in one line.
+    memory : Memory, optional
+        Of a picture before this one, which is done.
     """
     height, width = film.shape[:2]
     reach = int(sample_places.min()), int(sample_places.max())
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach)
-    words = bins.screen.view(np.int32).reshape(len(bins.screen), WORDS)
+    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach, memory)
+    words = _words(bins.screen)
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
@@ -241,23 +245,28 @@ def _geometry(
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
     samples: tuple[int, int] = (-SUBPIXELS // 2, SUBPIXELS // 2),
+    memory: Memory | None = None,
 ) -> tuple[Vertices, Bins]:
     """The stages before the pixels: vertices, assembly and clipping, the painter's order where it is wanted, bins.
 
     Triangles that miss all samples are left out: `samples` is how far these lie to the left and right of their pixel's centre at most.
     """
-    vertices, snapped = _transform(tables, view, threads)
+    memory = memory or Memory()
+    vertices, snapped = _transform(tables, view, memory, threads)
     clip_planes = pyramid_planes(view.camera) if clipping == "world" else np.zeros((0, 4))
-    chunks, screen = _assemble(tables, view, vertices, snapped, clip_planes, samples, threads)
+    grid = _Grid(width, height, tile_size)
+    chunks, screen, counted = _assemble(tables, view, vertices, snapped, clip_planes, samples, grid, memory, threads)
     cuts = np.zeros(0, dtype=CUT)
     if hidden_surfaces == "painter":
         whole = np.concatenate([np.zeros(0, dtype=SCREEN_TRIANGLE), *(screen[a:b] for a, b in chunks)])
         drawn, note = painter.order(tables, view.camera, tree)
         screen, cuts = painter.ranked(tables, view.camera, vertices, whole, drawn)
         chunks = [(a, min(a + _CHUNK, len(screen))) for a in range(0, len(screen), _CHUNK)]
+        counted = _Counted(grid, len(chunks), len(screen), memory)
+        run_all(lambda k: counted.add(screen, chunks[k], k), range(len(chunks)), threads)
         if note is not None and on_note is not None:
             on_note(note)
-    return vertices, _bin(screen, cuts, chunks, width, height, tile_size, threads)
+    return vertices, _bin(screen, cuts, chunks, counted, memory, threads)
 
 
 def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
@@ -283,12 +292,12 @@ def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[ND
     return np.array(rows, dtype=np.int64).reshape(-1, 4), groups
 
 
-def _transform(tables: SceneTables, view: View, threads: int) -> tuple[Vertices, NDArray[np.int32]]:
+def _transform(tables: SceneTables, view: View, memory: Memory, threads: int) -> tuple[Vertices, NDArray[np.int32]]:
     """The vertices, and their places on the subpixel grid."""
     counts = tables.meshes["n_positions"][tables.instances["mesh"]].astype(np.int64) if len(tables.instances) else np.zeros(0, np.int64)
     first_vertex = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    transformed = np.empty((int(first_vertex[-1]), 4), dtype=np.float32)
-    snapped = np.empty(2 * len(transformed), dtype=np.int32)
+    transformed = memory.array("vertices", (int(first_vertex[-1]), 4), np.float32)
+    snapped = memory.array("snapped", 2 * len(transformed), np.int32)
     near = view.camera[0]["near"]
     jobs, groups = _jobs(tables, "n_positions", first_vertex)
     run_all(
@@ -308,19 +317,25 @@ def _assemble(
     snapped: NDArray[np.int32],
     clip_planes: NDArray[np.float64],
     samples: tuple[int, int],
+    grid: _Grid,
+    memory: Memory,
     threads: int,
-) -> tuple[list[tuple[int, int]], NDArray[np.void]]:
+) -> tuple[list[tuple[int, int]], NDArray[np.void], _Counted]:
     """Screen triangles in chunks with gaps between; clipping can make more of them than there were, and then it runs again."""
     jobs, groups = _jobs(tables, "n_triangles", vertices.first_vertex)
     sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
     counts = np.zeros(len(groups), dtype=np.int64)
     capacity = sizes + 64
     sided = np.ascontiguousarray(np.stack([tables.materials["double_sided"], tables.materials["alpha_mode"]], axis=1), dtype=np.int32)
+    is_whole = np.zeros(len(groups), dtype=np.bool_)
     while True:
         places = np.concatenate([[0], np.cumsum(capacity)]).astype(np.int64)
-        screen = np.empty(int(places[-1]), dtype=SCREEN_TRIANGLE)
+        screen = memory.array("screen", int(places[-1]), SCREEN_TRIANGLE)
+        counted = _Counted(grid, len(groups), len(screen), memory)
 
-        def assemble(chunk: int, places: NDArray[np.int64] = places, screen: NDArray[np.void] = screen) -> None:
+        def assemble(
+            chunk: int, places: NDArray[np.int64] = places, screen: NDArray[np.void] = screen, counted: _Counted = counted
+        ) -> None:
             polygon, scratch = (np.empty((MAX_CLIPPED, 4), dtype=np.float32) for _ in range(2))
             world, world_scratch = (np.empty((MAX_CLIPPED, 6)) for _ in range(2))  # position and barycentric coordinates
             _ASSEMBLE(
@@ -329,30 +344,51 @@ def _assemble(
                 scratch, world, world_scratch, np.zeros(16, dtype=np.int32), screen, screen.view(np.int32), int(places[chunk]),
                 int(places[chunk + 1]), counts, chunk,
             )  # fmt: skip
+            # While they are at hand: a chunk fits the second-level cache.
+            is_whole[chunk] = counts[chunk] + 8 <= places[chunk + 1] - places[chunk]
+            if is_whole[chunk]:
+                counted.add(screen, (int(places[chunk]), int(places[chunk] + counts[chunk])), chunk)
 
         run_all(assemble, range(len(groups)), threads)
-        if (counts <= capacity).all():
-            return [(int(a), int(a + n)) for a, n in zip(places, counts, strict=False)], screen
-        capacity = np.maximum(capacity, counts)
+        if is_whole.all():
+            return [(int(a), int(a + n)) for a, n in zip(places, counts, strict=False)], screen, counted
+        capacity = np.maximum(capacity, counts + 8)
+
+
+def _words(screen: NDArray[np.void]) -> NDArray[np.int32]:
+    """The screen triangles as plain numbers, (n, WORDS)."""
+    return screen.view(np.int32).reshape(len(screen), WORDS)
+
+
+class _Grid:
+    """The tiles of a picture."""
+
+    def __init__(self, width: int, height: int, tile_size: int) -> None:
+        self.columns, self.rows = -(-width // tile_size), -(-height // tile_size)
+        self.column_of, self.row_of = (np.arange(size, dtype=np.int32) // tile_size for size in (width, height))
+
+
+class _Counted:
+    """How many triangles of each chunk each tile gets, and which tiles each triangle touches."""
+
+    def __init__(self, grid: _Grid, n_chunks: int, n_triangles: int, memory: Memory) -> None:
+        self.grid = grid
+        self.counts = np.zeros((max(n_chunks, 1), grid.columns * grid.rows), dtype=np.int64)
+        self.touched = memory.array("touched", 4 * n_triangles + 32, np.int32)
+
+    def add(self, screen: NDArray[np.void], part: tuple[int, int], chunk: int) -> None:
+        grid = self.grid
+        _COUNT(_words(screen), *part, grid.column_of, grid.row_of, grid.columns, self.counts, chunk, self.touched)
 
 
 def _bin(
-    screen: NDArray[np.void],
-    cuts: NDArray[np.void],
-    chunks: list[tuple[int, int]],
-    width: int,
-    height: int,
-    tile_size: int,
-    threads: int,
+    screen: NDArray[np.void], cuts: NDArray[np.void], chunks: list[tuple[int, int]], counted: _Counted, memory: Memory, threads: int
 ) -> Bins:
-    columns, rows = -(-width // tile_size), -(-height // tile_size)
-    counts = np.zeros((max(len(chunks), 1), columns * rows), dtype=np.int64)
-    tile_of = [(np.arange(size, dtype=np.int32) // tile_size) for size in (width, height)]
-    run_all(lambda k: _COUNT(screen, *chunks[k], *tile_of, columns, counts, k), range(len(chunks)), threads)
-    ranges = np.concatenate([[0], np.cumsum(counts.sum(axis=0))]).astype(np.int64)
-    places = np.ascontiguousarray(ranges[:-1] + np.cumsum(counts, axis=0) - counts)
-    binned = np.empty(int(ranges[-1]), dtype=np.int32)
-    run_all(lambda k: _BIN(screen, *chunks[k], *tile_of, columns, places, k, binned), range(len(chunks)), threads)
+    ranges = np.concatenate([[0], np.cumsum(counted.counts.sum(axis=0))]).astype(np.int64)
+    places = np.ascontiguousarray(ranges[:-1] + np.cumsum(counted.counts, axis=0) - counted.counts)
+    binned = memory.array("binned", int(ranges[-1]), np.int32)
+    columns = counted.grid.columns
+    run_all(lambda k: _BIN(counted.touched, *chunks[k], columns, places, k, binned), range(len(chunks)), threads)
     return Bins(screen, cuts, binned, ranges)
 
 

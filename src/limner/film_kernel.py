@@ -22,7 +22,9 @@ _COUNTING = np.arange(8, dtype=np.int32)
 def _developed(sums, place: i32x8, share: np.float32):
     """(r, g, b, alpha) of pixels: their sums over their number of samples, with straight alpha."""
     r, g, b = at(sums, (place, 0)) * share, at(sums, (place, 1)) * share, at(sums, (place, 2)) * share
-    alpha = at(sums, (place, 3)) * share
+    coverage = at(sums, (place, 3)) * share
+    # A filter that sharpens overshoots at edges; there is no more coverage than all. NaN stays, to be found.
+    alpha = where(coverage == coverage, min(max(_ZERO, coverage), _ONE), coverage)
     divisor = where((alpha > _ZERO) & (alpha < _ONE), alpha, _ONE)
     return r / divisor, g / divisor, b / divisor, alpha
 

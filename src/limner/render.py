@@ -28,12 +28,14 @@ from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
 from .image.image import Image
 from .image.recipe import Recipe
+from .image.reconstruct import FILTERS
 from .progress import Meter, OnProgress
 from .raster import pipeline
 from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
 from .raster.memory import Memory
+from .raster.pipeline import CULLINGS
 from .raytrace import driver
-from .samples import pixel_samples
+from .samples import filtered_samples, pixel_samples
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.framing import with_defaults
@@ -76,6 +78,8 @@ def render(
     shading: str = "fragment",
     hidden_surfaces: str = "zbuffer",
     clipping: str = "homogeneous",
+    culling: str = "material",
+    filter: str = "box",
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
@@ -116,6 +120,11 @@ def render(
         planes that splits what overlaps in a cycle (up to 10,000 triangles; beyond, by their centroids, which a message says).
     clipping : "homogeneous" | "world"
         Whether `raster` clips after the projection, or before it against the planes of the viewing pyramid.
+    culling : "material" | "back" | "front" | "none"
+        Which triangles `raster` leaves out: the backs of one-sided materials; all backs; all fronts, to look inside; or none.
+    filter : "box" | "tent" | "gaussian" | "mitchell" | "lanczos3"
+        How the samples around a pixel are weighed (`raster`): alike, within the pixel; or by a wider filter, which wants more samples.
+        See `limner.image.reconstruct`.
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
@@ -138,8 +147,8 @@ def render(
     """
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
-        antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping, threads=threads,
-        tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping, culling=culling,
+        filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -166,7 +175,7 @@ class Renderer:
     Parameters
     ----------
     scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, shading, hidden_surfaces,
-    clipping, threads, tile_size, aovs,
+    clipping, culling, filter, threads, tile_size, aovs,
     default_lights
         As in `render`.
 
@@ -196,6 +205,8 @@ class Renderer:
         shading: str = "fragment",
         hidden_surfaces: str = "zbuffer",
         clipping: str = "homogeneous",
+        culling: str = "material",
+        filter: str = "box",
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
@@ -214,7 +225,14 @@ class Renderer:
             raise UnsupportedError(f'hidden_surfaces must be "zbuffer" or "painter", got {hidden_surfaces!r}')
         if clipping not in ("homogeneous", "world"):
             raise UnsupportedError(f'clipping must be "homogeneous" or "world", got {clipping!r}')
+        if culling not in CULLINGS:
+            raise UnsupportedError(f"culling must be one of {', '.join(CULLINGS)}, got {culling!r}")
+        if filter not in FILTERS:
+            raise UnsupportedError(f"filter must be one of {', '.join(FILTERS)}, got {filter!r}")
+        if filter != "box" and renderer != "raster":
+            raise UnsupportedError(f'the {renderer} renderer has the filter "box" only, got {filter!r}; renderer="raster" has all')
         self._shading, self._hidden_surfaces, self._clipping = shading, hidden_surfaces, clipping
+        self._culling, self._filter = culling, filter
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
         self._aovs = _wanted_aovs(aovs)
@@ -237,7 +255,7 @@ class Renderer:
         self.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_built": None, "_tree": None, "_sky": (None, None, None)}
+        return {**self.__dict__, "_built": None, "_spare": None, "_tree": None, "_sky": (None, None, None)}
 
     @overload
     def render(
@@ -377,9 +395,10 @@ class Renderer:
         light, background = self._lighting(scene, built), _background(scene)
         notes: list[str] = []
         if is_raster:
+            places, weights = filtered_samples(self._samples, self._filter)
             work: Work = pipeline.prepare(
-                built.tables, light, seen, pixel_samples(self._samples), background, film.sums, threads=self._threads,
-                tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
+                built.tables, light, seen, places, background, film.sums, sample_weights=weights, culling=self._culling,
+                threads=self._threads, tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
                 hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append, memory=memory,
             )  # fmt: skip
         elif self._renderer == "ray":
@@ -419,7 +438,7 @@ class Renderer:
         if self._renderer == "raster":
             pipeline.draw_channels(
                 tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size,
-                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping,
+                hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, culling=self._culling,
             )  # fmt: skip
         else:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
@@ -448,6 +467,8 @@ class Renderer:
             "shading": self._shading,
             "hidden_surfaces": self._hidden_surfaces,
             "clipping": self._clipping,
+            "culling": self._culling,
+            "filter": self._filter,
             "default_lights": self._default_lights,
             "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
         }

@@ -63,6 +63,26 @@ def limner() -> None:
     "--antialiasing", type=click.Choice(["multisample", "supersample"]), default="multisample", show_default=True,
     help="Shade once what covers several samples of a pixel, or every sample (raster).",
 )  # fmt: skip
+@click.option(
+    "--shading", type=click.Choice(["fragment", "vertex", "flat"]), default="fragment", show_default=True,
+    help="Where colours are computed (raster).",
+)  # fmt: skip
+@click.option(
+    "--hidden-surfaces", type=click.Choice(["zbuffer", "painter"]), default="zbuffer", show_default=True,
+    help="How what is in front is found (raster).",
+)  # fmt: skip
+@click.option(
+    "--clipping", type=click.Choice(["homogeneous", "world"]), default="homogeneous", show_default=True,
+    help="After the projection, or before it (raster).",
+)  # fmt: skip
+@click.option(
+    "--culling", type=click.Choice(["material", "back", "front", "none"]), default="material", show_default=True,
+    help="Which sides are left out (raster).",
+)  # fmt: skip
+@click.option(
+    "--filter", type=click.Choice(["box", "tent", "gaussian", "mitchell", "lanczos3"]), default="box", show_default=True,
+    help="How the samples around a pixel are weighed (raster).",
+)  # fmt: skip
 @click.option("--max-depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="How often light is reflected at most.")
 @click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
 @click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")

@@ -57,6 +57,11 @@ class Order:
     seed: int
     max_depth: int
     antialiasing: str
+    shading: str
+    hidden_surfaces: str
+    clipping: str
+    culling: str
+    filter: str
     camera: str | None
     eye: Triple | None
     target: Triple | None
@@ -99,6 +104,11 @@ def make_picture(order: Order, talk: Talk) -> None:
             seed=order.seed,
             max_depth=order.max_depth,
             antialiasing=order.antialiasing,
+            shading=order.shading,
+            hidden_surfaces=order.hidden_surfaces,
+            clipping=order.clipping,
+            culling=order.culling,
+            filter=order.filter,
             camera=camera,
             threads=order.threads,
             aovs=order.aovs,

@@ -388,15 +388,15 @@ highest = _reduction(">", "The number itself, or the greatest of eight (of lanes
 
 @intrinsic  # type: ignore[misc]
 def sum8(typingctx: Any, v: Any) -> Any:
-    """The sum of eight integers."""
+    """The sum of eight numbers, from the first to the last."""
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        total = _I32(0)
-        for k in range(_EIGHT):
-            total = builder.add(total, builder.extract_element(args[0], _I32(k)))
+        total = builder.extract_element(args[0], _I32(0))
+        for k in range(1, _EIGHT):
+            total = (builder.fadd if v == FLOAT_LANES else builder.add)(total, builder.extract_element(args[0], _I32(k)))
         return total
 
-    return (types.int32(INT_LANES), lower) if v == INT_LANES else None
+    return (v.element(v), lower) if v in (FLOAT_LANES, INT_LANES) else None
 
 
 @intrinsic  # type: ignore[misc]

@@ -332,9 +332,12 @@ else:
         words = array[places[..., None] + np.arange(4)].astype("<u1").view("<i4")[..., 0]
         return i32x8(words) if isinstance(index, _Lanes) else np.int32(words)
 
-    def sum8(v: i32x8) -> np.int32:
-        """The sum of eight integers."""
-        return np.int32(v.values.sum(dtype=np.int32))
+    def sum8(v: Any) -> Any:
+        """The sum of eight numbers, from the first to the last."""
+        total = v.values[0]
+        for value in v.values[1:]:
+            total = total + value
+        return total
 
     def int32(a: Any) -> Any:
         """A number, which must fit, as int32, towards zero; integers lose their upper bits."""

@@ -27,7 +27,7 @@ from ..kernel.lanes import (
 )
 from ..tables.layouts import ORTHOGRAPHIC
 from .clip import clip_polygon
-from .layouts import HIGH_WORD, LOW_WORD, SUBPIXELS, UNSNAPPED, WORDS
+from .layouts import BACK_SIDE, BOTH_SIDES, HIGH_WORD, LOW_WORD, SUBPIXELS, UNSNAPPED, WORDS
 from .plane_clip import clip_triangle_to_planes
 from .vertex import snap
 
@@ -91,10 +91,11 @@ def _depth_plane(a, b, c, x_reference: int, y_reference: int, camera):
 
 
 @kernel
-def _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, corners, camera, facing, double_sided):
+def _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, corners, camera, facing, side):
     """Write a screen triangle, counter-clockwise. Returns 1 if it is one: not empty, not culled."""
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-    if area == 0 or (not double_sided and (area > 0) != (facing > 0)):
+    is_front = (area > 0) == (facing > 0)
+    if area == 0 or (side != BOTH_SIDES and is_front == (side == BACK_SIDE)):
         return 0
     if area < 0:
         x1, y1, x2, y2 = x2, y2, x1, y1
@@ -164,7 +165,7 @@ def _object_point(positions, row: int):
 
 
 @kernel
-def _assemble_one(job, t: int, geometry, frame, clip_planes, polygons, screen, place: int, limit: int, camera) -> int:
+def _assemble_one(job, t: int, geometry, frame, clip_planes, polygons, screen, place: int, limit: int, camera, sided) -> int:
     """Clip a triangle and write what is left of it from `place` on. Returns the next place."""
     instances, meshes, positions, triangles, slots, materials = geometry
     vertices, _, raster_from_object = frame
@@ -183,7 +184,7 @@ def _assemble_one(job, t: int, geometry, frame, clip_planes, polygons, screen, p
     material = instances[instance]["material"]
     if mesh["slot"] >= 0:
         material = material + slots[mesh["slot"] + t]
-    double_sided = materials[material]["double_sided"] != 0
+    side = sided[material, 0]
     before = place
     if in_world:
         p = mesh["position"]
@@ -200,7 +201,7 @@ def _assemble_one(job, t: int, geometry, frame, clip_planes, polygons, screen, p
         x0, y0 = _snapped(polygon, 0)
         x1, y1 = _snapped(polygon, i)
         x2, y2 = _snapped(polygon, i + 1)
-        place += _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, (a, b, c), camera, facing, double_sided)
+        place += _emit(screen, place, limit, x0, y0, x1, y1, x2, y2, (a, b, c), camera, facing, side)
     for i in range(before, min(place, limit)):
         screen[i]["instance"], screen[i]["triangle"] = instance, t
         screen[i]["material"], screen[i]["alpha_mode"] = material, materials[material]["alpha_mode"]
@@ -307,8 +308,9 @@ def assemble_triangles(
     """Fill `screen` from `first_place` up to `limit` with the triangles of some jobs; counts[chunk] is how many there are in all.
 
     A job is (instance, first, last, place): a range of its mesh's triangles, and where its vertices begin. clip_planes (n, 4): clip to
-    these in world space (FoCG 8.1.4); none: clip in homogeneous coordinates (FoCG 8.1.5). sided (materials, 2) int32: double-sidedness and
-    alpha mode. Samples lie sample_low to sample_high from their pixel's centre. queue (16,) int32: scratch. words: `screen` as int32.
+    these in world space (FoCG 8.1.4); none: clip in homogeneous coordinates (FoCG 8.1.5). sided (materials, 2) int32: the sides that are
+    drawn, and the alpha mode. Samples lie sample_low to sample_high from their pixel's centre. queue (16,) int32: scratch.
+    words: `screen` as int32.
 
     Eight triangles are looked at at once; those that may be seen wait in the queue until there are eight of them.
     """
@@ -334,17 +336,18 @@ def assemble_triangles(
                 place = _emit_eight(queue, waiting, job, geometry, frame, screen, words, place, limit, camera, sided) if waiting else place
                 waiting = 0
                 for one in range(first, min(first + 8, last)):
-                    place = _assemble_one(job, one, geometry, frame, clip_planes, polygons, screen, place, limit, camera)
+                    place = _assemble_one(job, one, geometry, frame, clip_planes, polygons, screen, place, limit, camera, sided)
                 continue
             is_area, positive = _is_counterclockwise(points)
             material = spread(np.int64(instances[instance]["material"]), t)
             if mesh["slot"] >= 0:
                 material = material + at(slots, t + np.int64(mesh["slot"]))
-            is_front = (positive ^ (not facing)) | (at(sided, (material, 0)) != 0)
+            side, is_front = at(sided, (material, 0)), positive ^ (not facing)
+            is_shown = (side == BOTH_SIDES) | (is_front ^ (side == BACK_SIDE))
             # Most tiny triangles miss all samples.
             i, last_i = _samples_between(min(x0, min(x1, x2)), max(x0, max(x1, x2)), samples, width)
             j, last_j = _samples_between(min(y0, min(y1, y2)), max(y0, max(y1, y2)), samples, height)
-            is_kept = is_area & is_front & (i <= last_i) & (j <= last_j) & (load8(_COUNTING, 0) < last - first)
+            is_kept = is_area & is_shown & (i <= last_i) & (j <= last_j) & (load8(_COUNTING, 0) < last - first)
             if sample_low == sample_high:
                 has_many = (i < last_i) | (j < last_j)
                 is_kept = is_kept & (has_many | _covers(points, positive, i * SUBPIXELS + sample_low, j * SUBPIXELS + sample_low))
@@ -364,29 +367,28 @@ def assemble_triangles(
 
 
 @kernel
-def _tiles_between(low: i32x8, high: i32x8, tile_of):
+def _tiles_between(low: i32x8, high: i32x8, places, tile_of):
     """(first, last) of the columns (or rows) of tiles whose samples may lie between two places; the first is after the last if none.
 
     tile_of (pixels,) int32: the tile of each pixel of a row (or column).
     """
-    # A pixel's samples reach half a pixel around its centre.
-    half, end = SUBPIXELS // 2, tile_of.shape[0] - 1
-    first, last = (low - half) >> 8, (high + half) >> 8
-    is_none = (first > end) | (last < 0)
-    return where(is_none, 1, at(tile_of, min(max(first, 0), end))), where(is_none, 0, at(tile_of, min(max(last, 0), end)))
+    first, last = _samples_between(low, high, places, tile_of.shape[0])
+    is_none, end = first > last, tile_of.shape[0] - 1
+    return where(is_none, 1, at(tile_of, min(first, end))), where(is_none, 0, at(tile_of, max(last, 0)))
 
 
 @kernel
-def count_bins(words, first, last, column_of, row_of, columns, bin_counts, chunk, touched):
+def count_bins(words, first, last, sample_low, sample_high, column_of, row_of, columns, bin_counts, chunk, touched):
     """Count for each tile the triangles of one chunk that may touch it: bin_counts (chunks, tiles).
 
     words: the screen triangles as int32. touched (4 n,) int32 becomes the first and last column and row of tiles of each triangle: a sixth
     of what it was read from.
     """
+    places = (sample_low, sample_high)
     for start in range(first, last, 8):
         row = min(load8(_COUNTING, 0) + start, last - 1)
-        c0, c1 = _tiles_between(at(words, (row, LOW_WORD)), at(words, (row, HIGH_WORD)), column_of)
-        r0, r1 = _tiles_between(at(words, (row, LOW_WORD + 1)), at(words, (row, HIGH_WORD + 1)), row_of)
+        c0, c1 = _tiles_between(at(words, (row, LOW_WORD)), at(words, (row, HIGH_WORD)), places, column_of)
+        r0, r1 = _tiles_between(at(words, (row, LOW_WORD + 1)), at(words, (row, HIGH_WORD + 1)), places, row_of)
         store_words(touched, 4 * start, 4, c0, c1, r0, r1)
         tile = r0 * columns + c0
         is_one = (c0 == c1) & (r0 == r1)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
-    "CUT", "FLOAT_ROWS", "GUARD_BAND", "HIGH_WORD", "INSTANCE_WORD", "INT_ROWS", "LOW_WORD", "MATERIAL_WORD", "MAX_CLIPPED",
-    "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS", "TRIANGLE_WORD", "UNSNAPPED", "WORDS",
+    "BACK_SIDE", "BOTH_SIDES", "CUT", "FLOAT_ROWS", "FRONT_SIDE", "GUARD_BAND", "HIGH_WORD", "INSTANCE_WORD", "INT_ROWS", "LOW_WORD",
+    "MATERIAL_WORD", "MAX_CLIPPED", "PER_FRAGMENT", "PER_TRIANGLE", "PER_VERTEX", "SCREEN_TRIANGLE", "SUBPIXELS", "TRIANGLE_WORD",
+    "UNSNAPPED", "WORDS",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -14,10 +15,13 @@ f32, i32 = np.float32, np.int32
 # Where the shading is computed
 PER_FRAGMENT, PER_VERTEX, PER_TRIANGLE = 0, 1, 2
 
+# Which sides of a triangle are drawn
+FRONT_SIDE, BACK_SIDE, BOTH_SIDES = 0, 1, 2
+
 SUBPIXELS = 256
 """Screen vertices lie on a grid of 1/256 pixel, where edge functions are exact integers."""
 
-FLOAT_ROWS, INT_ROWS = 14, 11
+FLOAT_ROWS, INT_ROWS = 15, 11
 """Rows of scratch memory that a tile needs."""
 
 GUARD_BAND = f32(1 << 19)

@@ -22,13 +22,26 @@ from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
-from .layouts import CUT, FLOAT_ROWS, INT_ROWS, MAX_CLIPPED, PER_FRAGMENT, SCREEN_TRIANGLE, SUBPIXELS, WORDS
+from .layouts import (
+    BACK_SIDE,
+    BOTH_SIDES,
+    CUT,
+    FLOAT_ROWS,
+    FRONT_SIDE,
+    INT_ROWS,
+    MAX_CLIPPED,
+    PER_FRAGMENT,
+    SCREEN_TRIANGLE,
+    SUBPIXELS,
+    WORDS,
+)
 from .memory import Memory
 from .pyramid import pyramid_planes
 
-__all__ = ["TILE_SIZE", "draw", "draw_channels", "prepare"]
+__all__ = ["CULLINGS", "TILE_SIZE", "draw", "draw_channels", "prepare"]
 
 TILE_SIZE = 64
+CULLINGS = ("material", "back", "front", "none")
 _CHUNK = 8192  # vertices or triangles that make a job worth a call
 _I64 = Scalar(np.int64)
 
@@ -58,7 +71,10 @@ _ASSEMBLE = Door(
 _COUNT = Door(
     "limner.raster.assemble",
     "count_bins",
-    (Array(np.int32, 2), _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64, Array(np.int32, 1)),
+    (
+        Array(np.int32, 2), _I64, _I64, _I64, _I64, Array(np.int32, 1), Array(np.int32, 1), _I64, Array(np.int64, 2), _I64,
+        Array(np.int32, 1),
+    ),
     "binning",
 )
 
@@ -75,7 +91,8 @@ _DRAW = Door(
     (
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1),
         Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), Array(np.int32, 2), _I64, _I64, _I64, _I64,
-        Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.float32, 2),
+        Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1),
+        Array(np.float32, 2),
         _I64, _I64, _I64, _I64, _I64, _I64, _I64,
     ),
     "the raster renderer",
@@ -143,6 +160,8 @@ def prepare(
     clipping: str = "homogeneous",
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
+    culling: str = "material",
+    sample_weights: NDArray[np.float32] | None = None,
     memory: Memory | None = None,
 ) -> Callable[[Tile, int, int], bool]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
@@ -170,19 +189,27 @@ def prepare(
         Of the painter (`painter.build_tree`), if it is there already.
     on_note : callable, optional
         Takes what a person should know about the picture, in one line.
+    culling : "material" | "back" | "front" | "none"
+        Which triangles are left out: the backs of one-sided materials, all backs, all fronts, none.
+    sample_weights : (n,) float32, optional
+        What each sample counts (`limner.samples.filtered_samples`), their sum n; None: 1 each.
     memory : Memory, optional
         Of a picture before this one, which is done.
     """
     height, width = film.shape[:2]
     reach = int(sample_places.min()), int(sample_places.max())
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach, memory)
+    vertices, bins = _geometry(
+        tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach, culling, memory
+    )  # fmt: skip
     words = _words(bins.screen)
+    weights = np.ones(len(sample_places), dtype=np.float32) if sample_weights is None else sample_weights
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
         scratch = _scratch(tile_size * tile_size * (8 if multisample and not has_blend else 1))
         return _DRAW.bind(
-            *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, background,
+            *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,
+            background,
             *scratch, film.reshape(-1, 4),
         )
 
@@ -211,6 +238,7 @@ def draw_channels(
     hidden_surfaces: str = "zbuffer",
     clipping: str = "homogeneous",
     tree: BspTree | None = None,
+    culling: str = "material",
 ) -> None:
     """Fill the channels beside the picture (`limner.aov`) from the sample in the centre of each pixel.
 
@@ -220,11 +248,13 @@ def draw_channels(
         Without blended materials.
     values, ids : (height, width, 16) float32, (height, width, 3) int32
         As `limner.aov.empty_values` makes them; row 0 at the bottom.
-    hidden_surfaces, clipping, tree
+    hidden_surfaces, clipping, tree, culling
         As in `prepare`.
     """
     height, width = ids.shape[:2]
-    vertices, bins = _geometry(tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, samples=(0, 0))
+    vertices, bins = _geometry(
+        tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, samples=(0, 0), culling=culling
+    )  # fmt: skip
     scratch = PerThread(lambda: _scratch(tile_size * tile_size)[:2])
 
     def draw_tile(tile: Tile) -> None:
@@ -245,6 +275,7 @@ def _geometry(
     tree: BspTree | None = None,
     on_note: Callable[[str], None] | None = None,
     samples: tuple[int, int] = (-SUBPIXELS // 2, SUBPIXELS // 2),
+    culling: str = "material",
     memory: Memory | None = None,
 ) -> tuple[Vertices, Bins]:
     """The stages before the pixels: vertices, assembly and clipping, the painter's order where it is wanted, bins.
@@ -254,8 +285,8 @@ def _geometry(
     memory = memory or Memory()
     vertices, snapped = _transform(tables, view, memory, threads)
     clip_planes = pyramid_planes(view.camera) if clipping == "world" else np.zeros((0, 4))
-    grid = _Grid(width, height, tile_size)
-    chunks, screen, counted = _assemble(tables, view, vertices, snapped, clip_planes, samples, grid, memory, threads)
+    grid = _Grid(width, height, tile_size, samples)
+    chunks, screen, counted = _assemble(tables, view, vertices, snapped, clip_planes, culling, grid, memory, threads)
     cuts = np.zeros(0, dtype=CUT)
     if hidden_surfaces == "painter":
         whole = np.concatenate([np.zeros(0, dtype=SCREEN_TRIANGLE), *(screen[a:b] for a, b in chunks)])
@@ -316,7 +347,7 @@ def _assemble(
     vertices: Vertices,
     snapped: NDArray[np.int32],
     clip_planes: NDArray[np.float64],
-    samples: tuple[int, int],
+    culling: str,
     grid: _Grid,
     memory: Memory,
     threads: int,
@@ -326,7 +357,12 @@ def _assemble(
     sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
     counts = np.zeros(len(groups), dtype=np.int64)
     capacity = sizes + 64
-    sided = np.ascontiguousarray(np.stack([tables.materials["double_sided"], tables.materials["alpha_mode"]], axis=1), dtype=np.int32)
+    sides = np.select(
+        [culling == "none", culling == "back", culling == "front"],
+        [np.full_like(tables.materials["kind"], side) for side in (BOTH_SIDES, FRONT_SIDE, BACK_SIDE)],
+        np.where(tables.materials["double_sided"] != 0, BOTH_SIDES, FRONT_SIDE),
+    )
+    sided = np.ascontiguousarray(np.stack([sides, tables.materials["alpha_mode"]], axis=1), dtype=np.int32)
     is_whole = np.zeros(len(groups), dtype=np.bool_)
     while True:
         places = np.concatenate([[0], np.cumsum(capacity)]).astype(np.int64)
@@ -340,7 +376,7 @@ def _assemble(
             world, world_scratch = (np.empty((MAX_CLIPPED, 6)) for _ in range(2))  # position and barycentric coordinates
             _ASSEMBLE(
                 tables.instances, tables.meshes, tables.positions, tables.triangles, tables.slots, tables.materials, view.camera,
-                view.raster_from_object, vertices.transformed, snapped, clip_planes, sided, *samples, jobs, *groups[chunk], polygon,
+                view.raster_from_object, vertices.transformed, snapped, clip_planes, sided, *grid.samples, jobs, *groups[chunk], polygon,
                 scratch, world, world_scratch, np.zeros(16, dtype=np.int32), screen, screen.view(np.int32), int(places[chunk]),
                 int(places[chunk + 1]), counts, chunk,
             )  # fmt: skip
@@ -361,9 +397,10 @@ def _words(screen: NDArray[np.void]) -> NDArray[np.int32]:
 
 
 class _Grid:
-    """The tiles of a picture."""
+    """The tiles of a picture, and how far from their pixel's centre the samples lie."""
 
-    def __init__(self, width: int, height: int, tile_size: int) -> None:
+    def __init__(self, width: int, height: int, tile_size: int, samples: tuple[int, int]) -> None:
+        self.samples = samples
         self.columns, self.rows = -(-width // tile_size), -(-height // tile_size)
         self.column_of, self.row_of = (np.arange(size, dtype=np.int32) // tile_size for size in (width, height))
 
@@ -378,7 +415,7 @@ class _Counted:
 
     def add(self, screen: NDArray[np.void], part: tuple[int, int], chunk: int) -> None:
         grid = self.grid
-        _COUNT(_words(screen), *part, grid.column_of, grid.row_of, grid.columns, self.counts, chunk, self.touched)
+        _COUNT(_words(screen), *part, *grid.samples, grid.column_of, grid.row_of, grid.columns, self.counts, chunk, self.touched)
 
 
 def _bin(

@@ -59,15 +59,16 @@ def _add(film, place: int, r: np.float32, g: np.float32, b: np.float32, alpha: n
 
 
 @kernel
-def _leave_empty(window, background, samples: int, width: int, film):
+def _leave_empty(window, background, weights, first_sample: int, last_sample: int, width: int, film):
     """A tile that nothing touches; sample by sample, so that it has the bits of a pixel that merely sees nothing."""
     if background[3] == ZERO:
         return
     r, g, b, alpha = background[0] * background[3], background[1] * background[3], background[2] * background[3], background[3]
-    for _ in range(samples):
+    for s in range(first_sample, last_sample):
+        weight = weights[s]
         for j in range(window[1], window[1] + window[3]):
             for i in range(window[0], window[0] + window[2]):
-                _add(film, j * width + i, r, g, b, alpha)
+                _add(film, j * width + i, r * weight, g * weight, b * weight, alpha * weight)
 
 
 @kernel
@@ -103,8 +104,11 @@ def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int,
 
 
 @kernel
-def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, is_weighted: bool, film):
-    """Add the shaded fragments to the film, in their order; behind the blended layers where there are some."""
+def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, has_weights: bool, weight: np.float32, film):
+    """Add the shaded fragments to the film, in their order; behind the blended layers where there are some.
+
+    Each with its own weight, or all with the same.
+    """
     red, green, blue, transmittance = layers
     counting = load8(_COUNTING, 0)
     for start in range(0, n, 8):
@@ -116,9 +120,8 @@ def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, is_wei
             t = at(transmittance, p)
             r, g, b = at(red, p) + r * t, at(green, p) + g * t, at(blue, p) + b * t
             alpha = (ONE - t) + t * alpha
-        if is_weighted:
-            weight = load8(fragments.weight, start)
-            r, g, b, alpha = r * weight, g * weight, b * weight, alpha * weight
+        w = load8(fragments.weight, start) if has_weights else splat8(weight)
+        r, g, b, alpha = r * w, g * w, b * w, alpha * w
         place = load8(fragments.place, start)
         first = np.int64(lane(place, 0))
         if start + 8 <= n and all_of(place == counting + first):
@@ -144,8 +147,8 @@ def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, ne
 
 @kernel
 def _supersample(
-    screen, binned, first, last, window, ox, oy, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background, floats,
-    ints, fragments: Fragments, words, width, film,
+    screen, binned, first, last, window, ox, oy, weight, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background,
+    floats, ints, fragments: Fragments, words, width, film,
 ):  # fmt: skip
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, last_depth, next_depth = floats[0], floats[1], floats[2]
@@ -170,14 +173,14 @@ def _supersample(
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
     count = _list_seen(fragments, seen, window, width, ox, oy, shows_behind or has_blend != 0)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
-    _add_fragments(fragments, count, layers, has_blend != 0, False, film)
+    _add_fragments(fragments, count, layers, has_blend != 0, False, weight, film)
 
 
 @kernel
-def _list_surfaces(fragments: Fragments, seen, places, samples: int, window, width: int, shows_behind: bool) -> int:
+def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, window, width: int, shows_behind: bool) -> int:
     """List the surfaces that the samples of each pixel see, each once, in the middle of the samples that it covers."""
     n = 0
-    column, row = load8(places, 0), load8(places, 8)
+    column, row, weight = load8(places, 0), load8(places, 8), load8(weights, 0)
     taken = (1 << samples) - 1
     for j in range(window[3]):
         for i in range(window[2]):
@@ -188,52 +191,53 @@ def _list_surfaces(fragments: Fragments, seen, places, samples: int, window, wid
                 surface = lane(surfaces, first_set(left))
                 same = np.int64(mask_of(surfaces == surface)) & left
                 left = left & ~same
-                weight = f32(count_set(same))
+                share = ONE / f32(count_set(same))
                 covered = lanes_of(same)
                 ox, oy = sum8(where(covered, column, 0)), sum8(where(covered, row, 0))
                 fragments.surface[n], fragments.pixel[n] = surface, pixel
                 fragments.place[n] = (window[1] + j) * width + window[0] + i
-                fragments.x[n] = f32(window[0] + i) + f32(ox) * _GRID_STEP / weight
-                fragments.y[n] = f32(window[1] + j) + f32(oy) * _GRID_STEP / weight
-                fragments.weight[n] = weight
+                fragments.x[n] = f32(window[0] + i) + f32(ox) * _GRID_STEP * share
+                fragments.y[n] = f32(window[1] + j) + f32(oy) * _GRID_STEP * share
+                fragments.weight[n] = sum8(where(covered, weight, ZERO))
                 n += 1
     return n
 
 
 @kernel
 def _multisample(
-    screen, binned, first, last, window, sample_places, first_sample, last_sample, shows_behind, camera, scene, lighting, frame, frequency,
+    screen, binned, first, last, window, sample_places, sample_weights, first_sample, last_sample, shows_behind, camera, scene, lighting,
+    frame, frequency,
     background, floats, ints, fragments: Fragments, words, width, film,
 ):  # fmt: skip
     """Up to eight samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
-    depth, seen, places = floats[0], ints[0], ints[9]
+    depth, seen, places, weights = floats[0], ints[0], ints[9], floats[14]
     n, samples = window[2] * window[3], last_sample - first_sample
     low, high = 0, 0
     for s in range(8):
         row = min(first_sample + s, last_sample - 1)
-        places[s], places[8 + s] = sample_places[row, 0], sample_places[row, 1]
+        places[s], places[8 + s], weights[s] = sample_places[row, 0], sample_places[row, 1], sample_weights[row]
         low = min(low, min(np.int64(places[s]), np.int64(places[8 + s])))
         high = max(high, max(np.int64(places[s]), np.int64(places[8 + s])))
     _clear(depth, seen, farthest_depth(camera), 8 * n)
     pattern = eight_samples(places, samples, low, high)
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
-    count = _list_surfaces(fragments, seen, places, samples, window, width, shows_behind)
+    count = _list_surfaces(fragments, seen, places, weights, samples, window, width, shows_behind)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
     none = (depth, depth, depth, depth)
-    _add_fragments(fragments, count, none, False, True, film)
+    _add_fragments(fragments, count, none, False, True, ONE, film)
 
 
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
-    multisample, width, frequency, sample_places, background, floats, ints, table, film,
+    multisample, width, frequency, sample_places, sample_weights, background, floats, ints, table, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
 
     bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the
-    subpixel grid.
+    subpixel grid, and what each counts in sample_weights (n,).
     multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
     (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
     """
@@ -245,7 +249,7 @@ def draw_tile(
     first, last = bin_range[tile], bin_range[tile + 1]
     shows_behind = header[0]["sky_visible"] != 0 or background[3] != ZERO
     if first == last and header[0]["sky_visible"] == 0:
-        _leave_empty(window, background, last_sample - first_sample, width, film)
+        _leave_empty(window, background, sample_weights, first_sample, last_sample, width, film)
         return
     fragments = Fragments(
         ints[3], ints[4], ints[5], ints[6], ints[7], ints[8], ints[10], table,
@@ -254,13 +258,15 @@ def draw_tile(
     if multisample != 0 and has_blend == 0:
         for start in range(first_sample, last_sample, 8):
             _multisample(
-                screen, binned, first, last, window, sample_places, start, min(start + 8, last_sample), shows_behind, camera, scene,
+                screen, binned, first, last, window, sample_places, sample_weights, start, min(start + 8, last_sample), shows_behind,
+                camera, scene,
                 lighting, frame, frequency, background, floats, ints, fragments, words, width, film,
             )  # fmt: skip
         return
     for s in range(first_sample, last_sample):
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
-            screen, binned, first, last, window, ox, oy, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background,
+            screen, binned, first, last, window, ox, oy, sample_weights[s], has_blend, shows_behind, camera, scene, lighting, frame,
+            frequency, background,
             floats, ints, fragments, words, width, film,
         )  # fmt: skip

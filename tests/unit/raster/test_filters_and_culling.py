@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from staging import place, scene_of
+from staging import SLOW_AS_PYTHON, place, scene_of
 
 from limner.errors import UnsupportedError
 from limner.image.reconstruct import FILTERS, reconstruction
@@ -50,6 +50,7 @@ def test_the_box_is_what_it_was() -> None:
     np.testing.assert_array_equal(weights, 1.0)
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("antialiasing", ["multisample", "supersample"])
 @pytest.mark.parametrize("name", WIDE)
 def test_an_edge_is_the_integral_of_the_filter(name: str, antialiasing: str) -> None:

@@ -18,7 +18,7 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, models, regist
 
 __all__ = [
     "BOOL_LANES", "DOUBLE_LANES", "FLOAT_LANES", "INT_LANES", "LONG_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "double",
-    "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "put",
+    "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "prefetch", "put",
     "register", "single", "splat8", "splat8_int", "spread", "spread_value", "store8", "store_rows", "store_words", "sum8", "to_float",
     "to_int", "vector_call", "where",
 ]  # fmt: skip
@@ -581,6 +581,31 @@ def _scatter(context: Any, builder: Any, array_type: Any, array: Any, index: Any
     function = cgutils.get_or_insert_function(builder.module, function_type, name)
     builder.call(function, [v, pointers, _I32(4), condition])
     return context.get_dummy_value()
+
+
+@intrinsic  # type: ignore[misc]
+def prefetch(typingctx: Any, array: Any, index: Any) -> Any:
+    """Ask for a row of a contiguous array (an element, if it has one dimension), or for eight, to be brought near: it is soon looked at."""
+    eight = index == INT_LANES
+    if not (isinstance(array, types.Array) and array.ndim <= 2 and array.layout == "C" and (eight or isinstance(index, types.Integer))):
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        view = context.make_array(sig.args[0])(context, builder, args[0])
+        byte = ir.PointerType(_I8)
+        function_type = ir.FunctionType(ir.VoidType(), [byte, _I32, _I32, _I32])
+        function = cgutils.get_or_insert_function(builder.module, function_type, "llvm.prefetch.p0")
+        n_bytes = context.get_abi_sizeof(context.get_data_type(array.dtype))
+        for k in range(_EIGHT if eight else 1):
+            row = builder.sext(builder.extract_element(args[1], _I32(k)), _I64) if eight else args[1]
+            if array.ndim == 2:
+                row = builder.mul(row, cgutils.unpack_tuple(builder, view.shape)[1])
+            place = builder.bitcast(builder.gep(view.data, [row]), byte)
+            for offset in range(0, n_bytes, 64):
+                builder.call(function, [builder.gep(place, [_I64(offset)]), _I32(0), _I32(3), _I32(1)])
+        return context.get_dummy_value()
+
+    return types.void(array, INT_LANES if eight else types.int64), lower
 
 
 @intrinsic  # type: ignore[misc]

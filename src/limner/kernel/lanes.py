@@ -31,7 +31,7 @@ from .._jit import MODE
 
 __all__ = [
     "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set", "four_bytes",
-    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "put",
+    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "prefetch", "put",
     "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float", "to_int", "where",
 ]  # fmt: skip
 
@@ -211,6 +211,7 @@ if MODE == "compiled":
         long8,
         lowest,
         mask_of,
+        prefetch,
         put,
         register,
         single,
@@ -291,6 +292,9 @@ else:
     def splat8_int(x: np.int32) -> i32x8:
         """Eight times the integer x."""
         return i32x8(np.full(8, np.int64(x), dtype=np.int64).astype(np.int32))
+
+    def prefetch(array: np.ndarray, index: Any) -> None:
+        """Ask for a row of a contiguous array (an element, if it has one dimension), or for eight, to be brought near."""
 
     def store_words(array: np.ndarray, start: int, step: int, a: i32x8, b: i32x8, c: i32x8, d: i32x8) -> None:
         """Write (a, b, c, d) of lane k to array[start + step k :] for all eight: a part of eight rows of a table of int32."""

@@ -1,30 +1,44 @@
-"""Samplers: where in the unit square to look next.
+"""Samplers: where in the unit square to look next (FoCG 13.4).
 
 Random points clump and leave holes, and the noise of a picture falls only as 1/sqrt(n). The points of a (0, 2)-sequence do not:
 of the first 2^m, every rectangle of area 2^-m in the unit square (every *elementary interval*: 1 x 2^-m, 1/2 x 2^(1-m), ...)
 holds exactly one. Owen's scrambling keeps that, makes the points random, and the noise of smooth integrands falls as n^-1.5.
 
-    x, y = sample_2d(SOBOL, seed, i, j, sample, dimension)
+    sampler = Sampler(SOBOL, pixel_word(seed, i, j), sample, n, columns)
+    x, y = draw_2d(sampler, dimension)
+
+| kind | what of n samples is certain |
+|---|---|
+| MIDPOINT | all stand in the middle |
+| RANDOM | nothing |
+| REGULAR | they are the centres of the cells of a grid |
+| JITTERED | every cell has one, anywhere in it (Cook 1986) |
+| MULTI_JITTERED | and so has each of n columns, and of n rows (`limner.kernel.strata`) |
+| HALTON | base 2 along x, base 3 along y, moved at random |
+| SOBOL | every elementary interval has one, for n a power of two; Owen-scrambled |
 
 `dimension` numbers the decisions of a path, not the coordinates: 0 the place in the pixel, 1 the place on the lens, and so on.
-Each has its own scrambled and shuffled copy of the sequence (padding), so that decisions are independent of one another. Each
-is stratified within itself, over any first 2^m samples of a pixel.
+Each has its own scrambled and shuffled copy of the pattern (padding), so that decisions are independent of one another. Each
+is stratified within itself: over any first 2^m samples of a pixel (SOBOL), over all n (the others).
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from .._jit import kernel
-from .rng import combine, float_from_word, pixel_word, random_float, word
+from .._jit import kernel, outlined
+from .rng import combine, float_from_word, pixel_word, word
+from .sampler_kinds import HALTON, JITTERED, MIDPOINT, MULTI_JITTERED, RANDOM, REGULAR, SOBOL
+from .strata import halton, permuted, stratified_1d, stratified_2d
 
-__all__ = ["MIDPOINT", "RANDOM", "SOBOL", "reverse_bits", "sample_1d", "sample_2d", "scramble_reversed", "sobol_2d"]
+__all__ = [
+    "HALTON", "JITTERED", "MIDPOINT", "MULTI_JITTERED", "RANDOM", "REGULAR", "SOBOL", "Sampler", "draw_1d", "draw_2d", "reverse_bits",
+    "sample_1d", "sample_2d", "scramble_reversed", "sobol_2d",
+]  # fmt: skip
 
 f32, u32, i64 = np.float32, np.uint32, np.int64
-
-MIDPOINT = 0
-RANDOM = 1
-SOBOL = 2
 
 _HALF = f32(0.5)
 _ONE_BIT, _TWO_BITS, _FOUR_BITS = u32(1), u32(2), u32(4)
@@ -33,6 +47,16 @@ _ODD_1, _ODD_2, _ODD_4 = u32(0x55555555), u32(0x33333333), u32(0x0F0F0F0F)
 _ODD_8, _LOW_16 = u32(0x00FF00FF), u32(0x0000FFFF)
 _LK1, _LK2, _LK3 = u32(0x3D20ADEA), u32(0x05526C56), u32(0x53A22864)
 _FIRST, _SECOND, _SHUFFLE, _SCATTER = i64(0), i64(1), i64(2), i64(3)
+
+
+class Sampler(NamedTuple):
+    """Who asks: one sample of a pixel."""
+
+    kind: int
+    pixel: np.uint32  # the hash of seed and pixel
+    sample: int
+    n: int  # how many samples the pixel gets in all
+    columns: int  # of the grid into which n samples divide it
 
 
 @kernel
@@ -94,34 +118,66 @@ def _shuffled_index(sample: np.int64, key: np.uint32) -> np.uint32:
     return reverse_bits(scramble_reversed(reverse_bits(word(sample)), combine(key, _SHUFFLE)))
 
 
+@outlined
+def _draw_1d_otherwise(sampler: Sampler, dimension: int, key: np.uint32) -> np.float32:
+    if sampler.kind == RANDOM:
+        return float_from_word(combine(combine(sampler.pixel, sampler.sample), dimension))
+    if sampler.kind == HALTON:
+        return halton(permuted(sampler.sample, sampler.n, key), key)[0]
+    if sampler.kind == MIDPOINT or sampler.kind > HALTON:
+        return _HALF
+    return stratified_1d(sampler.sample, sampler.n, sampler.kind == REGULAR, key)
+
+
+@kernel
+def draw_1d(sampler: Sampler, dimension: int) -> np.float32:
+    """The number in [0, 1) of decision `dimension`; 1/2 for MIDPOINT and unknown kinds."""
+    key = combine(sampler.pixel, dimension)
+    if sampler.kind != SOBOL:
+        return _draw_1d_otherwise(sampler, dimension, key)
+    index = _shuffled_index(sampler.sample, key)
+    return float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
+
+
+@outlined
+def _draw_2d_otherwise(sampler: Sampler, dimension: int, key: np.uint32) -> tuple[np.float32, np.float32]:
+    if sampler.kind == RANDOM:
+        key = combine(combine(sampler.pixel, sampler.sample), dimension)
+        return float_from_word(key), float_from_word(combine(key, _SCATTER))
+    if sampler.kind == HALTON:
+        # The first decision keeps the sequence's order: few samples of many are then spread well, too.
+        return halton(sampler.sample if dimension == 0 else permuted(sampler.sample, sampler.n, key), key)
+    if sampler.kind == MIDPOINT or sampler.kind > HALTON:
+        return _HALF, _HALF
+    is_multi = sampler.kind == MULTI_JITTERED
+    return stratified_2d(sampler.sample, sampler.n, sampler.columns, sampler.kind == REGULAR, is_multi, key)
+
+
+@kernel
+def draw_2d(sampler: Sampler, dimension: int) -> tuple[np.float32, np.float32]:
+    """The point in [0, 1)^2 of decision `dimension`; the middle for MIDPOINT and unknown kinds.
+
+    **Source**: of SOBOL: B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; padded by pairs instead of fours. Scrambling
+    works on reversed fractions, so the two reversals of a coordinate cancel and one is left.
+    """
+    key = combine(sampler.pixel, dimension)
+    if sampler.kind != SOBOL:
+        return _draw_2d_otherwise(sampler, dimension, key)
+    index = _shuffled_index(sampler.sample, key)
+    x = float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
+    y = float_from_word(reverse_bits(scramble_reversed(_pascal(index), combine(key, _SECOND))))
+    return x, y
+
+
 @kernel
 def sample_1d(kind: int, seed: np.int64, i: np.int64, j: np.int64, sample: np.int64, dimension: np.int64) -> np.float32:
-    """The number in [0, 1) of decision `dimension` of one sample of pixel (i, j); 1/2 for MIDPOINT and unknown kinds."""
-    if kind == SOBOL:
-        key = combine(pixel_word(seed, i, j), dimension)
-        index = _shuffled_index(sample, key)
-        return float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
-    if kind == RANDOM:
-        return random_float(seed, i, j, sample, dimension)
-    return _HALF
+    """`draw_1d` of pixel (i, j), for the kinds that need not know how many samples there will be."""
+    return draw_1d(Sampler(kind, pixel_word(seed, i, j), sample, 1, 1), dimension)
 
 
 @kernel
 def sample_2d(
     kind: int, seed: np.int64, i: np.int64, j: np.int64, sample: np.int64, dimension: np.int64
 ) -> tuple[np.float32, np.float32]:
-    """The point in [0, 1)^2 of decision `dimension` of one sample of pixel (i, j); the middle for MIDPOINT and unknown kinds.
-
-    **Source**: B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; padded by pairs instead of fours. Scrambling
-    works on reversed fractions, so the two reversals of a coordinate cancel and one is left.
-    """
-    if kind == SOBOL:
-        key = combine(pixel_word(seed, i, j), dimension)
-        index = _shuffled_index(sample, key)
-        x = float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
-        y = float_from_word(reverse_bits(scramble_reversed(_pascal(index), combine(key, _SECOND))))
-        return x, y
-    if kind == RANDOM:
-        key = combine(combine(pixel_word(seed, i, j), sample), dimension)
-        return float_from_word(key), float_from_word(combine(key, _SCATTER))
-    return _HALF, _HALF
+    """`draw_2d` of pixel (i, j), for the kinds that need not know how many samples there will be."""
+    return draw_2d(Sampler(kind, pixel_word(seed, i, j), sample, 1, 1), dimension)

@@ -19,6 +19,7 @@ from ..kernel.lanes import (
     mask_of,
     max,
     min,
+    prefetch,
     single,
     splat8_int,
     spread,
@@ -36,6 +37,7 @@ __all__ = ["assemble_triangles", "bin_triangles", "count_bins", "screen_plane"]
 f32, f64, i32 = np.float32, np.float64, np.int32
 _COUNTING = np.arange(8, dtype=np.int32)
 _NOWHERE = 1 << 30
+_AHEAD = 32
 
 
 @kernel
@@ -328,6 +330,12 @@ def assemble_triangles(
         facing = instances[instance]["flipped"] == 0
         waiting = 0
         for first in range(jobs[k, 1], last, 8):
+            # The vertices of neighbours may lie anywhere.
+            for corner in range(3):
+                row = min(load8(_COUNTING, 0) + (first + _AHEAD), last - 1) + np.int64(mesh["triangle"])
+                soon = at(triangles, (row, corner)) + start
+                prefetch(snapped, soon * 2)
+                prefetch(vertices, soon)
             t = min(load8(_COUNTING, 0) + first, last - 1)
             i0, i1, i2 = _corners_of(triangles, t + np.int64(mesh["triangle"]), start)
             points = _screen_points(snapped, i0, i1, i2)
@@ -390,13 +398,14 @@ def count_bins(words, first, last, sample_low, sample_high, column_of, row_of, c
         c0, c1 = _tiles_between(at(words, (row, LOW_WORD)), at(words, (row, HIGH_WORD)), places, column_of)
         r0, r1 = _tiles_between(at(words, (row, LOW_WORD + 1)), at(words, (row, HIGH_WORD + 1)), places, row_of)
         store_words(touched, 4 * start, 4, c0, c1, r0, r1)
-        tile = r0 * columns + c0
-        is_one = (c0 == c1) & (r0 == r1)
-        for s in range(min(8, last - start)):
+        n = min(8, last - start)
+        tile, only = r0 * columns + c0, np.int64(lane(c0, 0))
+        only += np.int64(lane(r0, 0)) * columns
+        if all_of((c0 == c1) & (r0 == r1) & (tile == only)):
+            bin_counts[chunk, only] += n  # neighbours in the mesh are neighbours in the picture
+            continue
+        for s in range(n):
             k = 4 * (start + s)
-            if all_of(is_one):
-                bin_counts[chunk, lane(tile, s)] += 1
-                continue
             for r in range(touched[k + 2], touched[k + 3] + 1):
                 for c in range(touched[k], touched[k + 1] + 1):
                     bin_counts[chunk, r * columns + c] += 1

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.lanes import any_of, bool8, f32x8, i32x8, lane, lanes_of, load8, long8, splat8_int, store8, to_float, where
+from ..kernel.lanes import any_of, bool8, f32x8, i32x8, lane, lanes_of, load8, long8, prefetch, splat8_int, store8, to_float, where
 from ..kernel.vec import ZERO
 from ..shading.bsdf import alpha_at
 from ..shading.visible import visible_point
@@ -27,6 +27,7 @@ __all__ = ["Pattern", "eight_pixels", "eight_samples", "fill_opaque", "fill_tran
 f32, f64, i64 = np.float32, np.float64, np.int64
 _GRID_STEP = f32(1.0 / SUBPIXELS)
 _COUNTING = np.arange(8, dtype=np.int32)
+_AHEAD = 6
 _SMALL = 96 * SUBPIXELS  # the edge functions of a triangle with a box of this size fit 32 bits
 
 
@@ -161,7 +162,8 @@ def _fill(t, row: int, bounds, x: i32x8, y: i32x8, pattern: Pattern, window, cam
         e0, e1, e2 = start0, start1, start2
         z_of_row = z0 + (fy + f32(j - y_reference)) * dzdy
         place = ((j - window[1]) * window[2] + (i0 - window[0])) * pattern.per_pixel
-        for i in range(i0, i1, pattern.step):
+        i = i0
+        while i < i1:
             inside = ((e0 | e1 | e2) >= 0) & (pattern.column < i1 - i) & pattern.active
             if any_of(inside):
                 column = to_float(pattern.column + (i - x_reference)) + fx
@@ -178,6 +180,7 @@ def _fill(t, row: int, bounds, x: i32x8, y: i32x8, pattern: Pattern, window, cam
                     drawn = True
             e0, e1, e2 = e0 + across0, e1 + across1, e2 + across2
             place += 8
+            i += pattern.step
         start0, start1, start2 = start0 + up0, start1 + up1, start2 + up2
     return drawn
 
@@ -189,6 +192,8 @@ def _fill_bin(screen, binned, first: int, last: int, window, pattern: Pattern, c
     drawn = False
     for k in range(first, last):
         row = i64(binned[k])
+        # A tile's triangles come from all over the table.
+        prefetch(screen, i64(binned[min(k + _AHEAD, last - 1)]))
         t = screen[row]
         if (t["alpha_mode"] == BLEND) != blended:
             continue

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from limner._door import Array
 from limner._jit import kernel
 from limner.accel import bvh
-from limner.accel.layouts import ACCELERATOR_ARRAYS, STACK_SIZE
+from limner.accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE
 from limner.accel.walk import nearest, occluded
 from limner.kernel.vec import Vec3
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.scene import Scene
 from limner.tables import layouts
-from limner.tables.build import build
+from limner.tables.build import flatten
 
 __all__ = ["Hits", "cast"]
 
@@ -32,8 +32,8 @@ class Hits(NamedTuple):
 
 
 @kernel
-def _cast(instances, nodes, primitives, corners, planes, rays, stack, numbers, ids):
-    accelerator = (nodes, primitives, corners, planes)
+def _cast(instances, attributes, slots, nodes, primitives, corners, planes, rays, stack, ends, numbers, ids):
+    accelerator = (nodes, primitives, corners, planes, (attributes, slots, ends))
     for k in range(rays.shape[0]):
         o, d = Vec3(rays[k, 0], rays[k, 1], rays[k, 2]), Vec3(rays[k, 3], rays[k, 4], rays[k, 5])
         hit = nearest(accelerator, instances, o, d, rays[k, 6], rays[k, 7], stack)
@@ -44,13 +44,14 @@ def _cast(instances, nodes, primitives, corners, planes, rays, stack, numbers, i
 
 def cast(scene: Scene, origins: Any, directions: Any, kind: bvh.Kind = "bvh", t_min: float = 0.0, t_max: float = np.inf) -> Hits:
     """What each ray of a test meets in a scene."""
-    tables = build(scene, PerspectiveCamera(), 64, 48)
+    tables = flatten(scene, PerspectiveCamera(), 64, 48, tessellate=False).tables
     rays = np.zeros((len(np.atleast_2d(directions)), 8), dtype=np.float32)
     rays[:, 0:3], rays[:, 3:6], rays[:, 6], rays[:, 7] = origins, directions, t_min, t_max
     numbers, ids = np.zeros((len(rays), 3), np.float32), np.zeros((len(rays), 3), np.int32)
     door = door_of(
-        _cast, Array(layouts.INSTANCE, 1), *ACCELERATOR_ARRAYS, Array(np.float32, 2), Array(np.int32, 1), Array(np.float32, 2),
-        Array(np.int32, 2),
+        _cast, Array(layouts.INSTANCE, 1), Array(np.float32, 1), Array(np.int32, 1), *ACCELERATOR_ARRAYS, Array(np.float32, 2),
+        Array(np.int32, 1), Array(np.float64, 2), Array(np.float32, 2), Array(np.int32, 2),
     )  # fmt: skip
-    door(tables.instances, *bvh.build(tables, kind), rays, np.empty(STACK_SIZE, np.int32), numbers, ids)
+    scratch = np.empty(STACK_SIZE, np.int32), np.empty(ENDS_SHAPE)
+    door(tables.instances, tables.attributes, tables.slots, *bvh.build(tables, kind), rays, *scratch, numbers, ids)
     return Hits(*numbers.T, ids[:, 0], ids[:, 1], ids[:, 2] == 1)

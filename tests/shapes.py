@@ -17,9 +17,10 @@ from limner._jit import kernel
 from limner.intersect import layouts
 from limner.intersect.csg import intersect_csg, is_inside
 from limner.intersect.interval import ray_in
-from limner.intersect.layouts import BOX, CONE, CYLINDER, DISK, PATCH, PLANE, QUADRIC, SHAPE, SOLID, SPHERE, TORUS
+from limner.intersect.layouts import BOX, CONE, CYLINDER, DISK, PATCH, PLANE, QUADRIC, SPHERE, TORUS
 from limner.intersect.shape import intersect_shape, shape_area, shape_at, shape_bounds, solid_spans
 from limner.kernel.vec import Vec3
+from limner.tables.layouts import INSTANCE
 
 __all__ = [
     "along", "area", "at", "bounds", "contains", "csg_hits", "csg_inside", "hits", "oracle", "points", "quadric_numbers", "row",
@@ -94,8 +95,8 @@ def _csg_inside(solids, leaves, numbers, programs, rays, ends, parts):
         parts[k, 0] = 1 if is_inside(solids[k % solids.shape[0]], leaves, numbers, programs, p, ends) else 0
 
 
-_SHAPES, _NUMBERS, _ROWS = Array(SHAPE, 1), Array(F32, 1), Array(F32, 2)
-_SOLIDS, _PROGRAMS, _ENDS, _PARTS = Array(SOLID, 1), Array(I32, 1), Array(F64, 2), Array(I32, 2)
+_SHAPES, _NUMBERS, _ROWS = Array(INSTANCE, 1), Array(F32, 1), Array(F32, 2)
+_SOLIDS, _PROGRAMS, _ENDS, _PARTS = Array(INSTANCE, 1), Array(I32, 1), Array(F64, 2), Array(I32, 2)
 
 
 def along(o: ArrayLike, d: ArrayLike, t_min: ArrayLike = 0.0, t_max: ArrayLike = np.inf, both_sides: ArrayLike = True) -> Rays:
@@ -153,7 +154,7 @@ Solid = tuple[NDArray[np.void], Parts]
 
 def _tables(solid: Solid) -> tuple[NDArray[np.void], NDArray[np.void], Parts, Numbers]:
     leaves, program = solid
-    solids = np.zeros(1, SOLID)
+    solids = np.zeros(1, INSTANCE)
     solids["n_leaves"], solids["n_program"] = len(leaves), len(program)
     return solids, leaves, np.asarray(program, I32), np.empty((len(leaves), layouts.ENDS_WIDTH))
 
@@ -183,8 +184,8 @@ def csg_inside(solid: Solid, p: ArrayLike, numbers: ArrayLike = NOTHING) -> NDAr
 def row(
     kind: int, size: tuple[float, ...] = (), *, capped: bool = True, place: int = -1, world_from_object: ArrayLike | None = None
 ) -> NDArray[np.void]:
-    """(1,) SHAPE"""
-    shape = np.zeros(1, SHAPE)
+    """(1,) INSTANCE"""
+    shape = np.zeros(1, INSTANCE)
     m = np.eye(4) if world_from_object is None else np.asarray(world_from_object, F64)
     shape["kind"], shape["capped"], shape["place"] = kind, capped, place
     shape["size"][0, : len(size)] = size

@@ -15,9 +15,11 @@ from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
 from ..errors import UnsupportedError
+from ..intersect.csg_program import program_bounds
 from ..tables import layouts as tables_layouts
-from ..tables.layouts import BOX, MESH, PLANE, SPHERE, SceneTables
+from ..tables.layouts import BOX, CSG, DISK, MESH, PLANE, SPHERE, Instants, SceneTables
 from .layouts import NODE, PRIMITIVE, Accelerator
+from .moving import set_moving
 
 __all__ = ["Kind", "build", "build_over"]
 
@@ -44,8 +46,15 @@ _BUILD = Door(
     "the bounding volume hierarchy",
 )
 
+_BOUND = Door(
+    "limner.accel.shape_bounds_kernel",
+    "bound_shapes",
+    (Array(tables_layouts.INSTANCE, 1), Array(np.float32, 1), Array(np.float32, 2)),
+    "the bounds of exact shapes",
+)
 
-def build(tables: SceneTables, accelerator: Kind = "bvh") -> Accelerator:
+
+def build(tables: SceneTables, accelerator: Kind = "bvh", instants: Instants | None = None) -> Accelerator:
     """Build an accelerator for a scene.
 
     Parameters
@@ -53,8 +62,21 @@ def build(tables: SceneTables, accelerator: Kind = "bvh") -> Accelerator:
     tables : SceneTables
     accelerator : "bvh" | "linear"
         Linear tries everything: slow, and the oracle of the tests.
+    instants : Instants, optional
+        Where what moves is while the shutter is open.
     """
-    return build_over(*_primitives(tables), _planes(tables), accelerator)
+    primitives, corners, bounds = _primitives(tables)
+    planes = _planes(tables)
+    others, boxes = _exact_shapes(tables)
+    if len(others):
+        bounded = np.isfinite(boxes).all(axis=1)
+        endless = ~bounded & ~np.isnan(boxes).any(axis=1)
+        primitives, planes = np.concatenate([primitives, others[bounded]]), np.concatenate([planes, others[endless]])
+        corners = np.concatenate([corners, np.zeros((int(bounded.sum()), 9), dtype=np.float32)])
+        bounds = np.concatenate([bounds, boxes[bounded]])
+    if instants is not None and len(instants.moving):
+        set_moving(primitives, corners, bounds, tables, instants)
+    return build_over(primitives, corners, bounds, planes, accelerator)
 
 
 def build_over(
@@ -90,9 +112,14 @@ def build_over(
     return Accelerator(nodes, primitives[order], np.ascontiguousarray(corners[order]), planes)
 
 
+def _visible(tables: SceneTables) -> NDArray[np.bool_]:
+    """(n,) bool: which instances are themselves seen, and no leaves of others."""
+    return np.asarray(tables.instances["owner"] == np.arange(len(tables.instances)))
+
+
 def _planes(tables: SceneTables) -> NDArray[np.void]:
     """(k,) PRIMITIVE: the infinite planes."""
-    found = np.flatnonzero(tables.instances["kind"] == PLANE)
+    found = np.flatnonzero((tables.instances["kind"] == PLANE) & _visible(tables))
     materials = tables.materials[tables.instances["material"][found]]
     planes = np.zeros(len(found), dtype=PRIMITIVE)
     planes["instance"], planes["triangle"] = found, -1
@@ -101,13 +128,37 @@ def _planes(tables: SceneTables) -> NDArray[np.void]:
     return planes
 
 
+def _exact_shapes(tables: SceneTables) -> tuple[NDArray[np.void], NDArray[np.float32]]:
+    """The other exact shapes in the world: (n,) PRIMITIVE, (n, 6) bounds; without combinations of which nothing is left."""
+    instances = tables.instances
+    rows = np.flatnonzero((instances["kind"] >= DISK) & _visible(tables))
+    found, boxes = np.zeros(len(rows), dtype=PRIMITIVE), np.zeros((len(rows), 6), dtype=np.float32)
+    if not len(rows):
+        return found, boxes
+    all_boxes = np.full((len(instances), 6), np.nan, dtype=np.float32)
+    _BOUND(instances, tables.attributes, all_boxes)
+    for k, row in enumerate(rows):
+        shape = instances[row]
+        parts, boxes[k] = slice(row, row + 1), all_boxes[row]
+        if shape["kind"] == CSG:
+            parts = slice(shape["leaf"], shape["leaf"] + shape["n_leaves"])
+            boxes[k] = program_bounds(tables.slots[shape["place"] : shape["place"] + shape["n_program"]], all_boxes[parts])
+        materials = tables.materials[instances["material"][parts]]
+        # One answer for a whole combination: all of it is seen from inside if any part of it is.
+        found[k]["facing"] = (materials["double_sided"] == 0).all()
+        found[k]["opaque"] = (materials["alpha_mode"] == tables_layouts.OPAQUE).all()
+    found["instance"], found["triangle"] = rows, -2
+    left = ~(boxes[:, :3] > boxes[:, 3:]).any(axis=1)
+    return found[left], boxes[left]
+
+
 def _primitives(tables: SceneTables) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]]:
     """Triangles and spheres in the world: (n,) PRIMITIVE, (n, 9) vertices, (n, 6) bounds; those that are no numbers are left out."""
     instances = tables.instances
     counts = np.zeros(len(instances), dtype=np.int64)
-    solid = np.isin(instances["kind"], (MESH, BOX))  # the others may have a tessellation, or none
+    solid = np.isin(instances["kind"], (MESH, BOX)) & (instances["mesh"] >= 0)  # the others may have a tessellation, or none
     counts[solid] = tables.meshes["n_triangles"][instances["mesh"][solid]]
-    counts[instances["kind"] == SPHERE] = 1
+    counts[(instances["kind"] == SPHERE) & _visible(tables)] = 1
     places = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     n = int(places[-1])
     primitives, corners = np.zeros(n, dtype=PRIMITIVE), np.zeros((n, 9), dtype=np.float32)

@@ -6,9 +6,9 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
+from ..kernel.transform import transform_point
 from ..kernel.vec import ZERO, Vec3
-from ..shading.surface import transform_point
-from ..tables.layouts import OPAQUE, PLANE, SPHERE
+from ..tables.layouts import OPAQUE, SPHERE
 from .layouts import STACK_SIZE
 
 __all__ = ["build_tree", "gather_primitives"]
@@ -23,10 +23,10 @@ _ONE = f32(1.0)
 def gather_primitives(
     instances, meshes, positions, triangles, slots, materials, places, first, last, primitives, corners, bounds
 ):
-    """Fill primitives, corners (n, 9) and bounds (n, 6) from instances first..last; instance k's begin at places[k]."""
+    """Fill primitives, corners (n, 9) and bounds (n, 6) from instances first..last; instance k has places[k]..places[k + 1]."""
     for k in range(first, last):
         instance = instances[k]
-        if instance["kind"] == PLANE:
+        if places[k] == places[k + 1]:
             continue
         m = instance["world_from_object"]
         if instance["kind"] == SPHERE:

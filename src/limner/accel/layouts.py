@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array
+from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
-__all__ = ["ACCELERATOR_ARRAYS", "NODE", "PRIMITIVE", "STACK_SIZE", "Accelerator"]
+__all__ = ["ACCELERATOR_ARRAYS", "ENDS_SHAPE", "FIRST_MOVING", "NODE", "PRIMITIVE", "STACK_SIZE", "Accelerator"]
 
 f32, i32 = np.float32, np.int32
 
@@ -25,20 +26,30 @@ NODE = np.dtype(
 PRIMITIVE = np.dtype(
     [
         ("instance", i32),
-        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere or plane
+        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere or plane; -2: its other exact shape; -3 - k: triangle k,
+        # which moves, and has its corners in its object's space
         ("facing", i32),  # 0: both sides are seen; 1, -1: only the side from which it winds counter-clockwise, clockwise;
-        # of a sphere or plane, 1: only the outside
-        ("opaque", i32),  # 0: masked or blended
+        # of an exact shape, 1: only the outside
+        ("opaque", i32),  # 0: masked, blended or transparent
     ],
     align=True,
 )
 
+FIRST_MOVING = -3
+"""What stands for triangle 0 where it moves; -3 - k for triangle k."""
+
 STACK_SIZE = 96
 """Nodes that wait during a walk; the builder keeps trees shallower than this."""
+
+ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
+"""Shape of the float64 scratch in which a walk counts where a ray is inside the leaves of a combination of solids."""
 
 
 class Accelerator(NamedTuple):
     """A tree over the primitives of a scene, in world space.
+
+    Kernels take it as a tuple of these four and a fifth, for what exact shapes need: (attributes, slots, ends), of the tables and of
+    scratch memory; None where there are only triangles, spheres and planes (`accel.walk.exact_tables`).
 
     Attributes
     ----------

@@ -6,13 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..intersect.box import enter_box, moved_on
+from ..intersect.csg import intersect_csg
+from ..intersect.layouts import CSG
+from ..intersect.shape import intersect_shape
+from ..intersect.surface_code import surface_code
 from ..intersect.triangle import intersect_triangle, turned_ray
+from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Vec3
 from ..shading.analytic import hit_analytic, meets_outside
+from .layouts import FIRST_MOVING
 
-__all__ = ["Hit", "first_hit", "nearest", "occluded"]
+__all__ = ["Hit", "exact_tables", "first_hit", "nearest", "occluded"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -21,8 +27,9 @@ _INFINITY = f32(np.inf)
 class Hit(NamedTuple):
     """What a ray meets.
 
-    t: its parameter, infinity for a miss. instance: -1 for a miss. triangle: of the instance's mesh, -1 for an exact shape.
-    u, v: barycentrics of the triangle's second and third vertex.
+    t: its parameter, infinity for a miss. instance: -1 for a miss; of a combination of solids, the leaf whose surface it is.
+    triangle: of the instance's mesh; negative for an exact shape: `intersect.surface_code`.
+    u, v: barycentrics of the triangle's second and third vertex; of a patch, its own.
     """
 
     t: np.float32
@@ -38,12 +45,57 @@ def _miss(t_max: np.float32) -> Hit:
 
 
 @kernel
-def _nearest_of(instances, primitives, corners, first: int, last: int, ray, o: Vec3, d: Vec3, t_min, best: Hit, both_sides, opaque_only):
+def exact_tables(attributes, slots, ends):
+    """The fifth of what kernels take for an accelerator (`accel.layouts.Accelerator`), from a door's arguments.
+
+    None, known to the compiler, where `ends` has one dimension: such a door meets no exact shapes but spheres and planes, and neither
+    compiles nor asks for the others.
+    """
+    if ends.ndim == 1:
+        return None
+    return attributes, slots, ends
+
+
+@outlined
+def _exact_hit(instances, row: int, exact, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool) -> Hit:
+    """The nearest hit of any exact shape but spheres and planes, which stand in the loop itself."""
+    numbers, programs, ends = exact
+    shape = instances[row]
+    if shape["kind"] == CSG:
+        c = intersect_csg(shape, instances, numbers, programs, o, d, t_min, t_max, both_sides, ends)
+        return Hit(c.t, np.int64(c.leaf), surface_code(c.part, c.flipped), ZERO, ZERO) if c.leaf >= 0 else _miss(t_max)
+    h = intersect_shape(shape, numbers, o, d, t_min, t_max, both_sides)
+    return Hit(h.t, np.int64(row), surface_code(h.part, 0), h.u, h.v) if h.part >= 0 else _miss(t_max)
+
+
+@outlined
+def _moving_hit(instances, p, corners, k: int, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool) -> Hit:
+    """The hit of a triangle that stands in its object's space: the ray is taken there, its parameter stays."""
+    m = instances[p["instance"]]["object_from_world"]
+    h = intersect_triangle(turned_ray(transform_point(m, o), transform_vector(m, d)), corners, k, t_min, t_max)
+    if h.t < t_max and (both_sides or h.facing > ZERO):
+        return Hit(h.t, np.int64(p["instance"]), FIRST_MOVING - np.int64(p["triangle"]), h.u, h.v)
+    return _miss(t_max)
+
+
+@kernel
+def _nearest_of(
+    instances, primitives, corners, exact, first: int, last: int, ray, o: Vec3, d: Vec3, t_min, best: Hit, both_sides, opaque_only
+):
     """The nearer of `best` and what the primitives first..last offer."""
     for k in range(first, last):
         p = primitives[k]
         if opaque_only and p["opaque"] == 0:
             continue
+        if exact is not None:  # known to the compiler
+            if p["triangle"] < -1:
+                if p["triangle"] <= FIRST_MOVING:
+                    hit = _moving_hit(instances, p, corners, k, o, d, t_min, best.t, both_sides or p["facing"] == 0)
+                else:
+                    hit = _exact_hit(instances, np.int64(p["instance"]), exact, o, d, t_min, best.t, both_sides or p["facing"] == 0)
+                if hit.t < best.t:
+                    best = hit
+                continue
         if p["triangle"] < 0:
             t = hit_analytic(instances[p["instance"]], o, d, t_min, best.t)
             if t < best.t and (both_sides or p["facing"] == 0 or meets_outside(instances[p["instance"]], o, d, t)):
@@ -62,16 +114,16 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
     A primitive's own tie is broken by the order of the leaves; the far child waits on `stack` (int32) and is dropped when it comes up
     if something nearer was found meanwhile.
     """
-    nodes, primitives, corners, planes = accelerator
+    nodes, primitives, corners, planes, exact = accelerator
     ray = turned_ray(o, d)
     inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
     best = _miss(t_max)
-    best = _nearest_of(instances, planes, corners, 0, planes.shape[0], ray, o, d, t_min, best, both_sides, opaque_only)
+    best = _nearest_of(instances, planes, corners, exact, 0, planes.shape[0], ray, o, d, t_min, best, both_sides, opaque_only)
     if any_hit and best.instance >= 0:
         return best
     if nodes.shape[0] == 0:
         return _nearest_of(
-            instances, primitives, corners, 0, primitives.shape[0], ray, o, d, t_min, best, both_sides, opaque_only
+            instances, primitives, corners, exact, 0, primitives.shape[0], ray, o, d, t_min, best, both_sides, opaque_only
         )
     current, top = 0, 0
     while True:
@@ -85,8 +137,9 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
             child, count = node["child"][near], node["count"][near]
             if child < 0:
                 best = _nearest_of(
-                    instances, primitives, corners, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides, opaque_only
-                )
+                    instances, primitives, corners, exact, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides,
+                    opaque_only,
+                )  # fmt: skip
                 if any_hit and best.instance >= 0:
                     return best
             else:
@@ -95,8 +148,9 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
             child, count = node["child"][far], node["count"][far]
             if child < 0:
                 best = _nearest_of(
-                    instances, primitives, corners, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides, opaque_only
-                )
+                    instances, primitives, corners, exact, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides,
+                    opaque_only,
+                )  # fmt: skip
                 if any_hit and best.instance >= 0:
                     return best
             elif following < 0:

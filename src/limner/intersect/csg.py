@@ -165,9 +165,9 @@ def intersect_csg(
 ) -> CsgHit:
     """The nearest hit in (t_min, t_max) of the world ray o + t d; without `both_sides`, the first where the solid is entered.
 
-    `solid` is a SOLID, `leaves` are rows with the fields of SHAPE, `ends` (n, 6) float64 is scratch with a row for each leaf at least.
+    `solid` is a row of its own, `leaves` are the rows that it refers to, `ends` (n, 6) float64 is scratch with a row for each leaf.
     """
-    place, length, n = solid["program"], solid["n_program"], solid["n_leaves"]
+    place, length, n = solid["place"], solid["n_program"], solid["n_leaves"]
     inside = _begin(solid, leaves, numbers, o, d, t_min, ends)
     before = holds(programs, place, length, inside)
     while True:
@@ -204,4 +204,4 @@ def intersect_csg(
 def is_inside(solid, leaves, numbers, programs, p: Vec3, ends) -> bool:
     """Whether a point of the world is in the solid: asked of a ray that passes through it at t = 0."""
     inside = _begin(solid, leaves, numbers, p, Vec3(ONE, ZERO, ZERO), ZERO, ends)
-    return holds(programs, solid["program"], solid["n_program"], inside)
+    return holds(programs, solid["place"], solid["n_program"], inside)

@@ -1,7 +1,7 @@
 """One ray, one exact shape, whatever its kind: the dispatcher of this room.
 
-`shape` is a row with the fields of `intersect.layouts.SHAPE`, `numbers` the array that it may refer to. Rays are in the world and come
-into the shape's space in float64, so that a float32 transform is the only thing that rounds; t stays what it was.
+`shape` is a row of `tables.layouts.INSTANCE`, `numbers` the array that it may refer to (`intersect.layouts`). Rays are in the world and
+come into the shape's space in float64, so that a float32 transform is the only thing that rounds; t stays what it was.
 
     hit = intersect_shape(shape, numbers, o, d, t_min, t_max, True)
     point = shape_at(shape, numbers, o, d, hit.t, hit.part, hit.u, hit.v)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 from .mesh import Mesh
 
-__all__ = ["box", "plane_disk", "quad", "sphere", "uv_sphere"]
+__all__ = ["bilinear_patch", "box", "cone", "cylinder", "disk", "plane_disk", "quad", "sphere", "torus", "uv_sphere"]
 
 
 def uv_sphere(n_u: int, n_v: int, radius: float = 1.0) -> Mesh:
@@ -235,6 +235,189 @@ def plane_disk(center: ArrayLike, inner_radius: float, outer_radius: float, n_se
         normal_triangles=np.zeros_like(triangles),
         uvs=np.stack([xz[:, 0], -xz[:, 1]], axis=1).astype(np.float32),
         name="plane",
+    )
+
+
+# --- round about +y -------------------------------------------------------------------------------------------------------
+
+
+def disk(radius: float = 1.0, n: int = 64) -> Mesh:
+    """Make a disk of n triangles in y = 0, its front towards +y.
+
+    Parameters
+    ----------
+    radius : float > 0
+    n : int >= 3
+
+    Returns
+    -------
+    Mesh
+        The polygon inscribed in the circle; it shows the disk cut out of the texture, u = (1 + x/r) / 2 and v = (1 - z/r) / 2.
+    """
+    _check_length(radius, "disk.radius")
+    return _revolved(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), n, [(radius, 0.0, 1.0)], "disk")
+
+
+def cylinder(radius: float = 1.0, height: float = 2.0, n: int = 64, capped: bool = True) -> Mesh:
+    """Make a cylinder about +y of n sides, from y = -height/2 to height/2; see `cone`."""
+    _check_length(radius, "cylinder.radius")
+    return _frustum(radius, radius, height, n, capped, "cylinder")
+
+
+def cone(radius: float = 1.0, height: float = 2.0, top_radius: float = 0.0, n: int = 64, capped: bool = True) -> Mesh:
+    """Make a cone, or a frustum of one, about +y of n sides, from y = -height/2 to height/2.
+
+    Parameters
+    ----------
+    radius, top_radius : float >= 0
+        At the bottom and at the top; not both 0.
+    height : float > 0
+    n : int >= 3
+    capped : bool
+        Closed by disks where the radius is not 0.
+
+    Returns
+    -------
+    Mesh
+        Its edges lie on the surface, and so do the normals of the cone, exact. u runs around as on a sphere, v up the side; a cap shows the
+        disk cut out of the texture.
+    """
+    if not (radius >= 0.0 and top_radius >= 0.0 and radius + top_radius > 0.0):
+        raise SceneError(f"cone.radius must not be negative, nor both of them 0, got {radius} and {top_radius}")
+    return _frustum(radius, top_radius, height, n, capped, "cone")
+
+
+def _frustum(bottom: float, top: float, height: float, n: int, capped: bool, name: str) -> Mesh:
+    _check_length(height, f"{name}.height")
+    profile = np.array([[bottom, -height / 2.0], [top, height / 2.0]])
+    slope = np.array([height, bottom - top]) / math.hypot(height, bottom - top)
+    caps = [(bottom, -height / 2.0, -1.0), (top, height / 2.0, 1.0)] if capped else []
+    return _revolved(profile, np.array([slope, slope]), np.array([0.0, 1.0]), n, [cap for cap in caps if cap[0] > 0.0], name)
+
+
+def torus(major_radius: float = 1.0, minor_radius: float = 0.25, n_u: int = 64, n_v: int = 32) -> Mesh:
+    """Make a torus about +y: n_u sections of a tube of n_v sides.
+
+    Parameters
+    ----------
+    major_radius : float > 0
+        Of the circle in the middle of the tube.
+    minor_radius : float > 0
+        Of the tube.
+    n_u, n_v : int >= 3
+
+    Returns
+    -------
+    Mesh
+        ``2 n_u n_v`` triangles; u runs around +y as on a sphere, v around the tube, 1/2 at its outermost.
+    """
+    _check_length(major_radius, "torus.major_radius")
+    _check_length(minor_radius, "torus.minor_radius")
+    v = np.arange(n_v + 1) / n_v
+    angle = 2.0 * math.pi * (v - 0.5)
+    normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    normals[-1] = normals[0]
+    return _revolved(np.array([major_radius, 0.0]) + minor_radius * normals, normals, v, n_u, [], "torus", closed=True)
+
+
+def _revolved(
+    profile: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    v: NDArray[np.float64],
+    n: int,
+    caps: list[tuple[float, float, float]],
+    name: str,
+    *,
+    closed: bool = False,
+) -> Mesh:
+    """Turn a profile (k, 2) of (distance from the axis, y) about +y; `closed`: its last point is its first.
+
+    Caps are (radius, y, 1 up or -1 down).
+    """
+    if n < 3:
+        raise SceneError(f"a {name} needs at least 3 sides, got {n}")
+    around = 2.0 * math.pi * (np.arange(n) / n - 0.5)
+    ring = np.stack([np.cos(around), -np.sin(around)], axis=1)
+
+    def turned(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        x, y, z = np.broadcast_arrays(points[:, :1] * ring[:, 0], points[:, 1:], points[:, :1] * ring[:, 1])
+        return np.stack([x, y, z], axis=-1).reshape(-1, 3)
+
+    k = len(profile)
+    distinct = k - 1 if closed else k
+    positions, all_normals = [turned(profile[:distinct])], [turned(normals[:distinct])]
+    uvs = [np.stack(np.broadcast_arrays(np.arange(n + 1) / n, v[:, None]), axis=-1).reshape(-1, 2)]
+    column, row = np.arange(n), np.arange(max(k - 1, 0))[:, None]
+    following, upper = (column + 1) % n, (row + 1) % max(distinct, 1)
+    corners = [_bands(n * row + column, n * row + following, n * upper + following, n * upper + column)]
+    uv_row, uv_upper = (n + 1) * row, (n + 1) * (row + 1)
+    uv_corners = [_bands(uv_row + column, uv_row + column + 1, uv_upper + column + 1, uv_upper + column)]
+    normal_corners = list(corners)
+    n_positions, n_normals, n_uvs = n * distinct, n * distinct, (n + 1) * k
+    for radius, y, up in caps:
+        rim = np.concatenate([radius * ring, [[0.0, 0.0]]])
+        positions.append(np.stack([rim[:, 0], np.full(n + 1, y), rim[:, 1]], axis=1))
+        all_normals.append(np.array([[0.0, up, 0.0]]))
+        uvs.append(0.5 + rim * (0.5 / radius, -0.5 * up / radius))
+        fan = np.stack([np.full(n, n), column, following] if up > 0.0 else [np.full(n, n), following, column], axis=1)
+        corners.append(n_positions + fan)
+        uv_corners.append(n_uvs + fan)
+        normal_corners.append(np.full((n, 3), n_normals))
+        n_positions, n_normals, n_uvs = n_positions + n + 1, n_normals + 1, n_uvs + n + 1
+    # A rim belongs to the side and to the cap, and all sides meet in an apex: one position each.
+    points, place_of = np.unique((np.concatenate(positions) + 0.0).astype(np.float32), axis=0, return_inverse=True)
+    triangles = place_of.reshape(-1)[np.concatenate(corners)]
+    kept = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return Mesh(
+        positions=points,
+        triangles=triangles[kept].astype(np.int32),
+        normals=np.concatenate(all_normals).astype(np.float32),
+        normal_triangles=np.concatenate(normal_corners)[kept].astype(np.int32),
+        uvs=np.concatenate(uvs).astype(np.float32),
+        uv_triangles=np.concatenate(uv_corners)[kept].astype(np.int32),
+        name=name,
+    )
+
+
+def _bands(a: NDArray[np.int64], b: NDArray[np.int64], c: NDArray[np.int64], d: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(m, 3): both halves of quadrilaterals a b c d."""
+    return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+def bilinear_patch(corners: ArrayLike, n: int = 32) -> Mesh:
+    """Make a bilinear patch of n x n quadrilaterals, which are flat only where it is.
+
+    Parameters
+    ----------
+    corners : (4, 3) float
+        p00, p10, p11, p01, counter-clockwise seen from the front; p(u, v) = (1-u)(1-v) p00 + u (1-v) p10 + u v p11 + (1-u) v p01.
+    n : int >= 1
+
+    Returns
+    -------
+    Mesh
+        Positions, normals and (u, v) on a grid, row by row.
+    """
+    points = np.asarray(corners, dtype=np.float64)
+    if points.shape != (4, 3):
+        raise SceneError(f"a bilinear patch has corners of shape (4, 3), got {points.shape}")
+    if n < 1:
+        raise SceneError(f"a bilinear patch needs at least 1 quadrilateral a side, got {n}")
+    p00, p10, p11, p01 = points
+    v, u = (axis.reshape(-1, 1) for axis in np.mgrid[0 : n + 1, 0 : n + 1] / n)
+    along_u, along_v = (1.0 - v) * (p10 - p00) + v * (p11 - p01), (1.0 - u) * (p01 - p00) + u * (p11 - p10)
+    normals = np.cross(along_u, along_v)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    # Where two corners meet there is no normal: that of the diagonals.
+    normals = np.where(lengths > 0.0, normals, np.cross(p11 - p00, p01 - p10))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    row, column = (n + 1) * np.arange(n)[:, None], np.arange(n)
+    return Mesh(
+        positions=((1.0 - v) * ((1.0 - u) * p00 + u * p10) + v * (u * p11 + (1.0 - u) * p01)).astype(np.float32),
+        triangles=_bands(row + column, row + column + 1, row + column + n + 2, row + column + n + 1).astype(np.int32),
+        normals=normals.astype(np.float32),
+        uvs=np.concatenate([u, v], axis=1).astype(np.float32),
+        name="bilinear patch",
     )
 
 

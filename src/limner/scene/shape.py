@@ -1,4 +1,4 @@
-"""What a node shows: a geometry and its materials. Spheres, planes and boxes are exact; meshes are triangles."""
+"""What a node shows: a geometry and its materials. Meshes are triangles; all other geometries are exact."""
 
 from __future__ import annotations
 
@@ -7,41 +7,16 @@ from typing import TypeAlias
 
 from ..errors import SceneError
 from ..mesh.mesh import Mesh
-from ._values import Triple, positive, triple
 from .material import Lambert, Material
+from .primitive import BilinearPatch, Box, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Sphere, Torus
+from .solid import Combination, Complement, Difference, Intersection, Solid, Union
 
-__all__ = ["Box", "Geometry", "Plane", "Shape", "Sphere"]
+__all__ = [
+    "BilinearPatch", "Box", "Combination", "Complement", "Cone", "Cylinder", "Difference", "Disk", "Geometry", "Intersection", "Plane",
+    "Primitive", "Quadric", "Shape", "Solid", "Sphere", "Torus", "Union",
+]  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Sphere:
-    """|p| = radius, around the node's origin."""
-
-    radius: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive(self.radius, "sphere.radius"))
-
-
-@dataclass(frozen=True)
-class Plane:
-    """The infinite plane y = 0, its front towards +y; (u, v) = (x, -z), metres."""
-
-
-@dataclass(frozen=True)
-class Box:
-    """The axis-aligned box of the given edge lengths around the node's origin."""
-
-    size: Triple = (1.0, 1.0, 1.0)
-
-    def __post_init__(self) -> None:
-        size = triple(self.size, "box.size")
-        for edge in size:
-            positive(edge, "box.size")
-        object.__setattr__(self, "size", size)
-
-
-Geometry: TypeAlias = Mesh | Sphere | Plane | Box
+Geometry: TypeAlias = Mesh | Primitive | Combination
 
 
 @dataclass(frozen=True)
@@ -50,9 +25,10 @@ class Shape:
 
     Parameters
     ----------
-    geometry : Mesh | Sphere | Plane | Box
+    geometry : Mesh, primitive or combination
+        Sphere, Plane, Box, Disk, Cylinder, Cone, Torus, Quadric, BilinearPatch; Union, Intersection, Difference, Complement.
     materials : tuple of materials, or one material
-        A mesh's `triangle_materials` index into it; all else takes the first.
+        A mesh's `triangle_materials` index into it; all else takes the first, but for parts of combinations that have their own.
     """
 
     geometry: Geometry
@@ -60,7 +36,8 @@ class Shape:
 
     def __post_init__(self) -> None:
         if not isinstance(self.geometry, Geometry):
-            raise SceneError(f"shape.geometry must be a Mesh, Sphere, Plane or Box, got {type(self.geometry).__name__}")
+            expected = "a Mesh, a Sphere, Box or another primitive, or a combination of solids"
+            raise SceneError(f"shape.geometry must be {expected}, got {type(self.geometry).__name__}")
         given = self.materials
         materials = tuple(given) if isinstance(given, (tuple, list)) else (given,)
         if not materials:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -10,26 +9,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import UnsupportedError
 from ..linear.transform import normal_matrix
-from ..mesh import primitives
 from ..mesh.mesh import Mesh
-from ..scene.camera import Camera, PerspectiveCamera
-from ..scene.light import AmbientLight, DirectionalLight, Light, SpotLight
-from ..scene.material import BlinnPhong, Lambert, Material, MetallicRoughness, ShadowCatcher
+from ..scene.camera import Camera
+from ..scene.lamp import LampShape, light_frame
+from ..scene.light import AmbientLight, AreaLight, DirectionalLight, PointLight, RectangleLight, SphereLight, SpotLight
+from ..scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, Material, MetallicRoughness, ShadowCatcher
 from ..scene.scene import Scene
-from ..scene.shape import Box, Plane, Shape, Sphere
+from ..scene.shape import Box, Combination, Shape
 from ..scene.texture import Texture
 from . import layouts
 from .camera import camera_record, near_and_far, raster_from_world
+from .exact import Numbers, fill_shape, leaves_and_program, materials_of
 from .layouts import SceneTables
+from .stand_ins import Sight, StandIns, flattens, inverse, tessellation
 from .textures import texture_tables
 
-__all__ = ["Built", "View", "build", "flatten", "names", "view"]
+__all__ = ["Built", "View", "build", "flatten", "media_table", "names", "view"]
 
-_CHORD_ERROR = 0.1  # pixels between a sphere and its tessellation
-_STAND_IN = "stand-in: "  # how the names of tessellations begin
-_HORIZON = 1e5  # how far an infinite plane is drawn, in units of the distance that matters
 _ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
+
+
+_Geometry = tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]
 
 
 class View(NamedTuple):
@@ -47,11 +49,12 @@ class View(NamedTuple):
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: int) -> View:
-    """The part of the tables that depends on the camera alone."""
+def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: int, time: float = 0.0) -> View:
+    """The part of the tables that depends on the camera alone, at a time."""
+    camera = camera.standing(time)
     near, far = near_and_far(camera, scene.bounds())
     to_raster = raster_from_world(camera, width, height, near, far)
-    places = np.array([placed.world_from_object for placed, _ in scene.shapes()]).reshape(-1, 4, 4)
+    places = np.array([placed.world_from_object for placed, _ in scene.shapes(time)]).reshape(-1, 4, 4)
     return View(camera_record(camera, width, height, near, far), (to_raster @ places).astype(np.float32))
 
 
@@ -73,11 +76,14 @@ class Built(NamedTuple):
     meshes : tuple of Mesh
         In the order of their rows; kept alive, so that an identity means the same object.
     textures : tuple of Texture
+    geometry : tuple
+        MESH_RANGES, positions, triangles, attributes and slots of the meshes alone.
     """
 
     tables: SceneTables
     meshes: tuple[Mesh, ...]
     textures: tuple[Texture, ...]
+    geometry: _Geometry
 
 
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
@@ -87,7 +93,7 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
 
 @np.errstate(over="ignore", invalid="ignore")  # what float32 cannot hold becomes infinite, and is left out later
 def flatten(
-    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True
+    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True, time: float = 0.0
 ) -> Built:
     """Flatten a scene.
 
@@ -96,74 +102,105 @@ def flatten(
     scene : Scene
     camera : Camera
     width, height : int
-        Decide how finely spheres are tessellated where triangles are needed: to a tenth of a pixel.
+        Decide how finely round shapes are tessellated where triangles are needed: to a tenth of a pixel.
     previous : Built, optional
         What was built before. Meshes and textures that are the very same objects are not copied again; the tables do not depend
         on it.
     tessellate : bool
-        Whether spheres and planes need triangles.
+        Whether exact shapes need triangles, as the rasteriser does. Combinations of solids then are nothing else; otherwise they have
+        leaves, which rays need.
+    time : float
+        When to look at what moves.
     """
     materials, first_material = _material_rows(scene)
-    pixels_per_unit = _pixels_per_unit(camera, height)
-    eye = np.asarray(camera.world_from_camera)[:3, 3]
-    bounds = scene.bounds()
-    shapes = scene.shapes()
-    stand_ins = _StandIns(() if previous is None else previous.meshes)
+    shapes = scene.shapes(time)
+    sight = Sight(camera.standing(time), height, scene.bounds())
+    stand_ins = StandIns(() if previous is None else previous.meshes)
     rows: dict[int, int] = {}
     meshes: list[Mesh] = []
+    numbers, programs = Numbers(), Numbers()
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
-    for row, (placed, shape) in zip(instances, shapes, strict=True):
+    leaves: list[NDArray[np.void]] = []
+    for k, (row, (placed, shape)) in enumerate(zip(instances, shapes, strict=True)):
         matrix = placed.world_from_object
-        row["world_from_object"] = matrix[:3]
-        row["object_from_world"] = _inverse(matrix)[:3]
-        row["world_from_normal"] = _unit_scale(normal_matrix(matrix))
-        row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
-        row["material"] = first_material[_material_key(shape)]
-        row["kind"], row["size"] = _kind_and_size(shape, matrix)
-        row["mesh"] = -1
+        _place(row, matrix, k, first_material[_material_key(shape)])
+        row["lamp"] = shape.light + 1 if isinstance(shape, LampShape) else 0
+        if isinstance(shape.geometry, Combination):
+            if not tessellate and not flattens(matrix):
+                first = len(instances) + sum(map(len, leaves))
+                leaves.append(_combine(row, shape, matrix, first, numbers, programs))
+        elif isinstance(shape.geometry, Box) or not flattens(matrix):
+            fill_shape(row, shape.geometry, numbers)
+        # What is left a mesh is one, or no ray can be taken into its space and back.
         if tessellate or row["kind"] in (layouts.MESH, layouts.BOX):
-            mesh = _tessellation(shape, matrix, eye, camera, pixels_per_unit, bounds, stand_ins)
+            mesh = tessellation(shape, matrix, sight, stand_ins)
             if id(mesh) not in rows:
                 rows[id(mesh)] = len(meshes)
                 meshes.append(mesh)
             row["mesh"] = rows[id(mesh)]
+    instances = np.concatenate([instances, *leaves])
     textures: dict[Texture, int] = {}
-    material_table = _material_table(materials, textures)
-    if previous is not None and _same(previous.meshes, meshes):
-        geometry = previous.tables[1:6]
-    else:
-        geometry = _geometry_tables(meshes)
+    material_table = _material_table(materials, textures, camera.place(time))
+    for row in instances[instances["lamp"] > 0]:
+        # Asked as a light, not as a shining surface.
+        material_table[row["material"]]["emission_weight"] = 0.0
+    reused = previous is not None and _same(previous.meshes, meshes)
+    geometry = previous.geometry if previous is not None and reused else _geometry_tables(meshes)
+    ranges, positions, triangles, attributes, slots = geometry
+    _shift_places(instances, len(attributes), len(slots))
     if previous is not None and _same(previous.textures, tuple(textures)):
         texture_table, texels = previous.tables.textures, previous.tables.texels
     else:
         texture_table, texels = texture_tables(list(textures))
-    tables = SceneTables(instances, *geometry, material_table, _light_table(scene), texture_table, texels)
-    return Built(tables, tuple(meshes), tuple(textures))
+    tables = SceneTables(
+        instances, ranges, positions, triangles, numbers.behind(attributes), programs.behind(slots), material_table,
+        _light_table(scene, time), texture_table, texels,
+    )  # fmt: skip
+    return Built(tables, tuple(meshes), tuple(textures), geometry)
+
+
+def _place(row: np.void, matrix: NDArray[np.float64], owner: int, material: int) -> None:
+    """Fill what an instance has of its place, and of what it belongs to; it is a mesh until something else is said."""
+    row["world_from_object"] = matrix[:3]
+    row["object_from_world"] = inverse(matrix)[:3]
+    row["world_from_normal"] = _unit_scale(normal_matrix(matrix))
+    row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
+    row["owner"], row["material"] = owner, material
+    row["kind"], row["mesh"], row["place"] = layouts.MESH, -1, -1
+
+
+def _combine(
+    row: np.void, shape: Shape, matrix: NDArray[np.float64], first: int, numbers: Numbers, programs: Numbers
+) -> NDArray[np.void]:
+    """Make an instance a combination of solids, and return its leaves, whose rows begin at `first`."""
+    assert isinstance(shape.geometry, Combination)
+    parts, program = leaves_and_program(shape.geometry)
+    group = [id(material) for material in materials_of(shape)]
+    leaves = np.zeros(len(parts), dtype=layouts.INSTANCE)
+    for leaf, part in zip(leaves, parts, strict=True):
+        material = shape.materials[0] if part.material is None else part.material
+        _place(leaf, matrix @ part.combination_from_leaf, int(row["owner"]), int(row["material"]) + group.index(id(material)))
+        fill_shape(leaf, part.geometry, numbers)
+    programs.put(row, program)
+    row["kind"], row["leaf"], row["n_leaves"], row["n_program"] = layouts.CSG, first, len(leaves), len(program)
+    return leaves
+
+
+def _shift_places(instances: NDArray[np.void], n_attributes: int, n_slots: int) -> None:
+    """Count places of numbers and programs from the beginning of the arrays that they stand in, behind what meshes have there."""
+    kinds = instances["kind"]
+    instances["place"][np.isin(kinds, (layouts.QUADRIC, layouts.PATCH))] += n_attributes
+    instances["place"][kinds == layouts.CSG] += n_slots
 
 
 def _same(before: tuple[object, ...], now: list[Mesh] | tuple[object, ...]) -> bool:
     return len(before) == len(now) and all(a is b for a, b in zip(before, now, strict=True))
 
 
-class _StandIns:
-    """Tessellations of exact shapes by what they are made from, so that the same question gets the same object again."""
-
-    def __init__(self, before: tuple[Mesh, ...]) -> None:
-        self._known = {mesh.name: mesh for mesh in before if mesh.name.startswith(_STAND_IN)}
-
-    def get(self, make: Callable[..., Mesh], *arguments: object) -> Mesh:
-        name = f"{_STAND_IN}{make.__name__}{arguments}"
-        if name not in self._known:
-            self._known[name] = dataclasses.replace(make(*arguments), name=name)
-        return self._known[name]
-
-
 # --- geometry -------------------------------------------------------------------------------------------------------------
 
 
-def _geometry_tables(
-    meshes: list[Mesh],
-) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.int32]]:
+def _geometry_tables(meshes: list[Mesh]) -> _Geometry:
     """MESH_RANGES, positions, triangles, attributes and slots of meshes one after the other."""
     positions, triangles = _Column(), _Column()
     attributes, slots = _Column(), _Column()
@@ -225,96 +262,16 @@ def _with_alpha(colors: NDArray[np.float32] | None) -> NDArray[np.float32] | Non
     return np.concatenate([colors, np.ones((len(colors), 1), dtype=np.float32)], axis=1)
 
 
-def _inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The inverse, or the pseudo-inverse of a transform that flattens."""
-    try:
-        return np.linalg.inv(matrix).astype(np.float64)
-    except np.linalg.LinAlgError:
-        return np.linalg.pinv(matrix).astype(np.float64)
-
-
 def _unit_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     largest = np.abs(matrix).max()
     return matrix / largest if largest > 0.0 else np.eye(3)
-
-
-def _kind_and_size(shape: Shape, matrix: NDArray[np.float64]) -> tuple[int, tuple[float, float, float]]:
-    geometry = shape.geometry
-    if isinstance(geometry, (Sphere, Plane)) and _flattens(matrix):
-        # No ray can be taken into its space and back: its tessellation takes its place.
-        return layouts.MESH, (0.0, 0.0, 0.0)
-    if isinstance(geometry, Sphere):
-        return layouts.SPHERE, (geometry.radius, geometry.radius, geometry.radius)
-    if isinstance(geometry, Box):
-        x, y, z = geometry.size
-        return layouts.BOX, (x / 2.0, y / 2.0, z / 2.0)
-    if isinstance(geometry, Plane):
-        return layouts.PLANE, (0.0, 0.0, 0.0)
-    return layouts.MESH, (0.0, 0.0, 0.0)
-
-
-def _flattens(matrix: NDArray[np.float64]) -> bool:
-    """Whether a transform leaves next to nothing of some direction, as far as float32 can tell."""
-    lengths = np.linalg.svd(matrix[:3, :3], compute_uv=False)
-    return not lengths[-1] > 1e-6 * lengths[0]
-
-
-def _pixels_per_unit(camera: Camera, height: int) -> float:
-    """Pixels per unit of length, along the denser axis, at distance 1 (perspective) or anywhere (orthographic)."""
-    half = camera.half_height() if isinstance(camera, PerspectiveCamera) else camera.height / 2.0
-    return height / (2.0 * half * min(1.0, camera.pixel_aspect))
-
-
-def _tessellation(
-    shape: Shape,
-    matrix: NDArray[np.float64],
-    eye: NDArray[np.float64],
-    camera: Camera,
-    pixels_per_unit: float,
-    bounds: NDArray[np.float64],
-    stand_ins: _StandIns,
-) -> Mesh:
-    """The triangles that stand for a shape."""
-    geometry = shape.geometry
-    if isinstance(geometry, Mesh):
-        return geometry
-    if isinstance(geometry, Box):
-        return stand_ins.get(primitives.box, geometry.size)
-    if isinstance(geometry, Sphere):
-        largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * geometry.radius
-        distance = max(float(np.linalg.norm(matrix[:3, 3] - eye)) - largest, 0.01 * largest, 1e-30)
-        radius = largest * pixels_per_unit / (distance if isinstance(camera, PerspectiveCamera) else 1.0)
-        return stand_ins.get(primitives.sphere, geometry.radius, _sphere_bands(radius))
-    return _plane_around(matrix, eye, bounds, stand_ins)
-
-
-def _sphere_bands(radius_in_pixels: float) -> int:
-    """Bands from pole to pole whose chords stay within a tenth of a pixel, r (1 - cos(pi/2n)) <= 1/10: a power of two.
-
-    A camera that moves a little then finds the same sphere again.
-    """
-    ratio = min(_CHORD_ERROR / max(radius_in_pixels, 1e-9), 1.0)
-    bands = math.pi / (2.0 * max(math.acos(1.0 - ratio), 1e-3))
-    return int(min(max(2 ** math.ceil(math.log2(bands)), 8), 256))
-
-
-def _plane_around(
-    matrix: NDArray[np.float64], eye: NDArray[np.float64], bounds: NDArray[np.float64], stand_ins: _StandIns
-) -> Mesh:
-    """The infinite plane as rings around the point below the eye, as far as the horizon needs."""
-    local = _inverse(matrix) @ np.append(eye, 1.0)
-    height = abs(float(local[1]))
-    extent = float(np.linalg.norm(bounds[1] - bounds[0])) if np.isfinite(bounds).all() else 1.0
-    reach = max(height, extent, 1e-6)
-    foot = (float(local[0]), float(local[2]))
-    return stand_ins.get(primitives.plane_disk, foot, max(0.25 * height, 1e-4 * reach), _HORIZON * reach, 48)
 
 
 # --- materials ------------------------------------------------------------------------------------------------------------
 
 
 def _material_key(shape: Shape) -> tuple[int, ...]:
-    return tuple(id(material) for material in shape.materials)
+    return tuple(id(material) for material in materials_of(shape))
 
 
 def _material_rows(scene: Scene) -> tuple[list[Material], dict[tuple[int, ...], int]]:
@@ -325,12 +282,15 @@ def _material_rows(scene: Scene) -> tuple[list[Material], dict[tuple[int, ...], 
         key = _material_key(shape)
         if key not in first:
             first[key] = len(rows)
-            rows.extend(shape.materials)
+            rows.extend(materials_of(shape))
     return rows, first
 
 
-def _material_table(materials: list[Material], textures: dict[Texture, int]) -> NDArray[np.void]:
+def _material_table(materials: list[Material], textures: dict[Texture, int], eye: NDArray[np.float64]) -> NDArray[np.void]:
     table = np.zeros(len(materials), dtype=layouts.MATERIAL)
+    dielectrics = [material for material in materials if isinstance(material, Dielectric)]
+    if len(dielectrics) > layouts.MAX_MEDIA:
+        raise UnsupportedError(f"a scene must not have more than {layouts.MAX_MEDIA} dielectric materials, got {len(dielectrics)}")
     for row, material in zip(table, materials, strict=True):
         row["alpha"], row["alpha_cutoff"] = material.alpha, material.alpha_cutoff
         row["alpha_mode"] = _ALPHA_MODES[material.alpha_mode]
@@ -341,6 +301,28 @@ def _material_table(materials: list[Material], textures: dict[Texture, int]) -> 
             if field.endswith("_texture"):
                 row[field] = -1
         _FILL[type(material)](row, material, textures)
+        if isinstance(material, CoolToWarm):
+            row["towards"] = _towards(material, eye)
+    table["medium"][[isinstance(material, Dielectric) for material in materials]] = np.arange(1, len(dielectrics) + 1)
+    return table
+
+
+def _towards(material: CoolToWarm, eye: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The unit vector to the light by which a surface is warm or cool: by itself, at right angles to the gaze, from the upper left."""
+    given = eye[:3, 1] - eye[:3, 0] if material.towards is None else np.array(material.towards)
+    return np.asarray(given / np.linalg.norm(given))
+
+
+def media_table(scene: Scene) -> NDArray[np.void]:
+    """(1 + n,) MEDIUM: what is outside, fog or clear air, and each dielectric material in the order of the material rows."""
+    dielectrics = [material for material in _material_rows(scene)[0] if isinstance(material, Dielectric)]
+    table = np.zeros(1 + len(dielectrics), dtype=layouts.MEDIUM)
+    table[0]["ior"], table[0]["priority"] = 1.0, np.iinfo(np.int32).min
+    if scene.fog is not None:
+        table[0]["attenuation"], table[0]["haze"] = scene.fog.density, scene.fog.color
+    for row, material in zip(table[1:], dielectrics, strict=True):
+        row["ior"], row["priority"] = material.ior, material.priority
+        row["attenuation"], row["haze"] = material.absorption, material.haze
     return table
 
 
@@ -367,6 +349,7 @@ def _fill_lambert(row: np.void, material: Lambert, textures: dict[Texture, int])
 def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture, int]) -> None:
     row["kind"], row["color"], row["specular"] = layouts.BLINN_PHONG, material.diffuse, material.specular
     row["exponent"], row["mirror"] = material.exponent, material.mirror
+    row["mirror_blur"] = material.mirror_blur or 0.0
     row["highlight"] = layouts.PHONG if material.highlight == "phong" else layouts.BLINN
     row["ambient"] = (-1.0, -1.0, -1.0) if material.ambient is None else material.ambient
     row["specular_scale"] = _highlight_scale(material) if material.normalized else 1.0
@@ -394,30 +377,57 @@ def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[T
     row["kind"], row["color"] = layouts.SHADOW_CATCHER, material.color
 
 
+def _fill_dielectric(row: np.void, material: Dielectric, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"], row["roughness"] = layouts.DIELECTRIC, material.tint, material.roughness
+    row["specular"] = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
+    row["fresnel"] = layouts.SCHLICK if material.fresnel == "schlick" else layouts.EXACT
+
+
+def _fill_cool_to_warm(row: np.void, material: CoolToWarm, textures: dict[Texture, int]) -> None:
+    row["kind"], row["color"], row["cool"] = layouts.COOL_TO_WARM, material.warm, material.cool
+
+
 _FILL: dict[type, Callable[..., None]] = {
     Lambert: _fill_lambert,
     BlinnPhong: _fill_blinn_phong,
     MetallicRoughness: _fill_metallic_roughness,
     ShadowCatcher: _fill_shadow_catcher,
+    Dielectric: _fill_dielectric,
+    CoolToWarm: _fill_cool_to_warm,
 }
 
 
 # --- lights ---------------------------------------------------------------------------------------------------------------
 
 
-def _light_table(scene: Scene) -> NDArray[np.void]:
-    lights = scene.lights()
+def _light_table(scene: Scene, time: float) -> NDArray[np.void]:
+    lights = scene.lights(time)
     table = np.zeros(len(lights), dtype=layouts.LIGHT)
     for row, (placed, light) in zip(table, lights, strict=True):
         row["position"] = placed.world_from_object[:3, 3]
         axis = -placed.world_from_object[:3, 2]
         row["direction"] = axis / (np.linalg.norm(axis) or 1.0)
         row["intensity"] = np.array(light.color) * light.intensity
-        _fill_light(row, light)
+        if isinstance(light, AreaLight):
+            _fill_area_light(row, light, light_frame(placed.world_from_object))
+        else:
+            _fill_light(row, light)
     return table
 
 
-def _fill_light(row: np.void, light: Light) -> None:
+def _fill_area_light(row: np.void, light: AreaLight, frame: NDArray[np.float64]) -> None:
+    row["inverse_square"], row["visible"] = 1, light.visible
+    if isinstance(light, RectangleLight):
+        row["kind"], row["area"] = layouts.RECTANGLE_LIGHT, light.width * light.height
+        row["axis_u"], row["axis_v"] = frame[:3, 0] * (light.width / 2.0), frame[:3, 1] * (light.height / 2.0)
+        return
+    is_sphere = isinstance(light, SphereLight)
+    row["kind"] = layouts.SPHERE_LIGHT if is_sphere else layouts.DISK_LIGHT
+    row["area"] = (4.0 if is_sphere else 1.0) * math.pi * light.radius**2
+    row["axis_u"], row["axis_v"] = frame[:3, 0] * light.radius, frame[:3, 1] * light.radius
+
+
+def _fill_light(row: np.void, light: PointLight | DirectionalLight | SpotLight | AmbientLight) -> None:
     if isinstance(light, AmbientLight):
         row["kind"] = layouts.AMBIENT_LIGHT
     elif isinstance(light, DirectionalLight):

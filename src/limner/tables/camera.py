@@ -57,6 +57,9 @@ def camera_record(camera: Camera, width: int, height: int, near: float, far: flo
     row["near"], row["far"] = near, far
     row["kind"] = layouts.PERSPECTIVE if perspective else layouts.ORTHOGRAPHIC
     row["width"], row["height"] = width, height
+    if isinstance(camera, PerspectiveCamera) and camera.aperture_radius:
+        row["aperture_radius"], row["focus_distance"] = camera.aperture_radius, camera.focus_distance
+        row["blades"] = camera.blades or 0
     return made
 
 

@@ -13,21 +13,30 @@ from numpy.typing import NDArray
 
 from .._door import Array
 
-__all__ = ["LIGHTING_ARRAYS", "SCENE_ARRAYS", "Lighting", "SceneTables"]
+__all__ = ["INSTANTS_ARRAYS", "LIGHTING_ARRAYS", "SCENE_ARRAYS", "Instants", "Lighting", "SceneTables"]
 
 f32, i32, i64 = np.float32, np.int32, np.int64
 
-# Kinds of geometry
+# Kinds of geometry; what each means by size and place: limner.intersect.layouts
 MESH, SPHERE, PLANE, BOX = 0, 1, 2, 3
+DISK, CYLINDER, CONE, TORUS, QUADRIC, PATCH, CSG = 4, 5, 6, 7, 8, 9, 10
+
+# Operations of a combination of solids: on the two sets before it, or, the last one, on one
+UNION, INTERSECTION, DIFFERENCE, COMPLEMENT = -1, -2, -3, -4
+
+MAX_LEAVES = 62  # of one combination: as many as an int64 has bits to tell which of them a point is in, and some to spare
 
 # Kinds of material
-LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS, SHADOW_CATCHER = 0, 1, 2, 3
+LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS, SHADOW_CATCHER, DIELECTRIC, COOL_TO_WARM = 0, 1, 2, 3, 4, 5
+
+# How much a dielectric reflects
+EXACT, SCHLICK = 0, 1
 
 # Kinds of highlight
 BLINN, PHONG = 0, 1
 
 # Kinds of light
-POINT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT, AMBIENT_LIGHT = 0, 1, 2, 3
+POINT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT, AMBIENT_LIGHT, RECTANGLE_LIGHT, DISK_LIGHT, SPHERE_LIGHT = 0, 1, 2, 3, 4, 5, 6
 
 # How a surface's alpha is used
 OPAQUE, MASK, BLEND = 0, 1, 2
@@ -42,6 +51,9 @@ NEAREST, BILINEAR, TRILINEAR, ANISOTROPIC, RIPMAP = 0, 1, 2, 3, 4
 PERSPECTIVE, ORTHOGRAPHIC = 0, 1
 
 MAX_TEXTURE_LEVELS = 16
+
+# Dielectric materials of a scene: as many as a byte counts, less one for what is outside of all
+MAX_MEDIA = 255
 
 # The sky blurred for rough mirrors
 BLURRED_WIDTH, BLURRED_HEIGHT, BLURRED_LEVELS = 64, 32, 6
@@ -58,6 +70,9 @@ CAMERA = np.dtype(
         ("kind", i32),
         ("width", i32),
         ("height", i32),
+        ("aperture_radius", f32),  # 0: a pinhole
+        ("focus_distance", f32),
+        ("blades", i32),  # corners of the opening; 0: it is round
     ],
     align=True,
 )
@@ -67,11 +82,19 @@ INSTANCE = np.dtype(
         ("world_from_object", f32, (3, 4)),
         ("object_from_world", f32, (3, 4)),
         ("world_from_normal", f32, (3, 3)),
-        ("size", f32, 3),  # sphere: radius in [0]; box: half edges
+        ("size", f32, 3),  # sphere: radius in [0]; box: half edges; the others: limner.intersect.layouts
         ("kind", i32),
-        ("mesh", i32),  # what is drawn as triangles: for a sphere, box or plane its tessellation; -1: none
+        ("mesh", i32),  # what is drawn as triangles: for an exact shape its tessellation; -1: none
         ("material", i32),  # first of its materials
         ("flipped", i32),  # 1: the transform reflects, so that clockwise is outside
+        ("owner", i32),  # its own row; of a leaf of a combination, the row of that
+        ("capped", i32),  # 0: a cylinder, cone or quadric without caps
+        ("place", i32),  # quadric, patch: of its numbers in attributes; combination: of its program in slots; else -1
+        ("n_program", i32),  # of a combination
+        ("leaf", i32),  # row of the first of its leaves, which follow each other
+        ("n_leaves", i32),
+        ("checksum", i32),  # of what stands at its place: equal rows are equal shapes
+        ("lamp", i32),  # 1 + row of the light whose surface it is; 0: of none
     ],
     align=True,
 )
@@ -104,6 +127,7 @@ MATERIAL = np.dtype(
         ("highlight", i32),  # BLINN or PHONG
         ("ambient", f32, 3),  # ka; negative: the diffuse coefficient
         ("mirror", f32, 3),
+        ("mirror_blur", f32),  # width of the square over which reflected rays are scattered
         ("emission", f32, 3),
         ("emission_weight", f32),  # luminance of the emission, texture averaged: how often its triangles are drawn
         ("metallic", f32),
@@ -115,6 +139,10 @@ MATERIAL = np.dtype(
         ("alpha_mode", i32),
         ("double_sided", i32),
         ("unlit", i32),
+        ("medium", i32),  # dielectric: what is behind its surface, a row of media; 0 for all others
+        ("fresnel", i32),  # EXACT or SCHLICK
+        ("cool", f32, 3),
+        ("towards", f32, 3),  # unit, the light of cool-to-warm shading
         ("color_texture", i32),
         ("specular_texture", i32),
         ("metallic_roughness_texture", i32),
@@ -135,9 +163,24 @@ LIGHT = np.dtype(
         ("cone_offset", f32),  # -cos outer * cone_scale
         ("kind", i32),
         ("inverse_square", i32),
+        ("axis_u", f32, 3),  # an area light's: half edges of the rectangle; radii, at right angles, of disk and sphere
+        ("axis_v", f32, 3),
+        ("area", f32),
+        ("visible", i32),  # 1: it has a surface that rays can meet
     ],
     align=True,
 )
+
+MEDIUM = np.dtype(
+    [
+        ("attenuation", f32, 3),  # per metre
+        ("haze", f32, 3),  # radiance of a thick layer
+        ("ior", f32),
+        ("priority", i32),
+    ],
+    align=True,
+)
+"""What may lie between surfaces; row 0 is what is outside of all dielectrics."""
 
 TEXTURE = np.dtype(
     [
@@ -216,15 +259,17 @@ class SceneTables(NamedTuple):
     Attributes
     ----------
     instances : (n,) INSTANCE
-        One for every visible shape: their rows are the instance ids.
+        One for every visible shape: their rows are the instance ids. Then, where rays need them, the leaves of combinations of solids,
+        which are seen through these alone.
     meshes : (n,) MESH_RANGES
     positions : (n, 3) float32
         Object space.
     triangles : (n, 3) int32
         Indices relative to their mesh.
     attributes : (n,) float32
-        Normals, texture coordinates, colours, tangents.
+        Normals, texture coordinates, colours, tangents; after those of all meshes, numbers of quadrics and patches.
     slots : (n,) int32
+        Which of its instance's materials a triangle has; after those of all meshes, programs of combinations of solids.
     materials : (n,) MATERIAL
     lights : (n,) LIGHT
     textures : (n,) TEXTURE
@@ -257,3 +302,25 @@ SCENE_ARRAYS = (
     Array(np.uint8, 1),
 )
 """The door arguments that a SceneTables unpacks to."""
+
+
+class Instants(NamedTuple):
+    """Where what moves is at each of k instants, evenly through the shutter's time.
+
+    Attributes
+    ----------
+    instances : (k * m,) INSTANCE
+        The m rows of what moves, instant after instant.
+    moving : (m,) int32
+        Which rows of the scene's instances these are.
+    cameras : (k,) CAMERA
+        None, where nothing moves.
+    """
+
+    instances: NDArray[np.void]
+    moving: NDArray[np.int32]
+    cameras: NDArray[np.void]
+
+
+INSTANTS_ARRAYS = (Array(INSTANCE, 1), Array(np.int32, 1), Array(CAMERA, 1))
+"""The door arguments that an Instants unpacks to."""

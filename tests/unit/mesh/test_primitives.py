@@ -161,3 +161,74 @@ def test_plane_disk_rings_double():
 def test_impossible_solids_are_refused(call):
     with pytest.raises(SceneError):
         call()
+
+
+REVOLVED = {
+    "disk": (primitives.disk(1.5, 96), 1, np.pi * 2.25, 0.0),
+    "cylinder": (primitives.cylinder(0.7, 2.0, 96), 2, 2 * np.pi * 0.7 * 2.7, np.pi * 0.49 * 2),
+    "tube": (primitives.cylinder(0.7, 2.0, 96, False), 0, 2 * np.pi * 0.7 * 2.0, None),
+    "cone": (primitives.cone(1.0, 2.0, 0.0, 96), 2, np.pi * (1 + np.sqrt(5)), np.pi * 2 / 3),
+    "upside down": (primitives.cone(0.0, 2.0, 1.0, 96), 2, np.pi * (1 + np.sqrt(5)), np.pi * 2 / 3),
+    "frustum": (primitives.cone(1.0, 1.0, 0.5, 96), 2, np.pi * (1.5 * np.sqrt(1.25) + 1.25), np.pi / 3 * 1.75),
+    "torus": (primitives.torus(1.0, 0.4, 96, 64), 0, 4 * np.pi**2 * 0.4, 2 * np.pi**2 * 0.16),
+}
+
+
+@pytest.mark.parametrize("name", REVOLVED)
+def test_what_is_round_about_an_axis(name):
+    """Areas, volumes and V - E + F of the formulas; triangles wind as their normals point, which stand at right angles to the surface."""
+    mesh, euler, area, volume = REVOLVED[name]
+    pairs = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
+    assert len(mesh.positions) - len(np.unique(np.sort(pairs, axis=1), axis=0)) + len(mesh.triangles) == euler
+    p = mesh.positions.astype(np.float64)[mesh.triangles]
+    n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    np.testing.assert_allclose(np.linalg.norm(n, axis=1).sum() / 2, area, rtol=3e-3)
+    if volume is not None:
+        np.testing.assert_allclose(np.einsum("ij,ij->i", p[:, 0], np.cross(p[:, 1], p[:, 2])).sum() / 6, volume, rtol=4e-3, atol=1e-12)
+    normals = mesh.normals[mesh.normal_triangles]
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=-1), 1.0, rtol=1e-6)
+    assert ((n[:, None] * normals).sum(axis=-1) > 0.99 * np.linalg.norm(n, axis=1)[:, None]).all()
+    u = mesh.uvs[mesh.uv_triangles][..., 0]
+    assert u.min() >= 0
+    assert u.max() <= 1
+    assert np.ptp(u, axis=1).max() < 0.6  # no triangle runs back over the seam
+
+
+def test_texture_coordinates_of_round_shapes_follow_their_formulas():
+    """u = 1/2 + atan2(-z, x) / 2 pi around all of them; v up a cylinder and around a torus' tube; a cap is cut out of the texture."""
+    for mesh, v_of in (
+        (primitives.cylinder(0.7, 2.0, 32, False), lambda p: 0.5 + p[:, 1] / 2),
+        (primitives.torus(1.0, 0.4, 32, 16), lambda p: 0.5 + np.arctan2(p[:, 1], np.hypot(p[:, 0], p[:, 2]) - 1) / (2 * np.pi)),
+    ):
+        p = mesh.positions.astype(np.float64)[mesh.triangles].reshape(-1, 3)
+        u, v = mesh.uvs[mesh.uv_triangles].reshape(-1, 2).T
+        np.testing.assert_allclose(np.mod(u - (0.5 + np.arctan2(-p[:, 2], p[:, 0]) / (2 * np.pi)) + 0.5, 1.0), 0.5, atol=1e-6)
+        np.testing.assert_allclose(np.mod(v - v_of(p) + 0.5, 1.0), 0.5, atol=1e-6)
+    disk = primitives.disk(2.0, 12)
+    p, uv = disk.positions[disk.triangles].reshape(-1, 3), disk.uvs[disk.uv_triangles].reshape(-1, 2)
+    np.testing.assert_allclose(uv, np.stack([0.5 + p[:, 0] / 4, 0.5 - p[:, 2] / 4], axis=1), atol=1e-6)
+
+
+def test_a_bilinear_patch_lies_on_its_formula():
+    """z = x y over the unit square; where two corners meet the normal is that of the diagonals."""
+    mesh = primitives.bilinear_patch([[0, 0, 0], [1, 0, 0], [1, 1, 1], [0, 1, 0]], 8)
+    x, y, z = mesh.positions.T
+    np.testing.assert_allclose(z, x * y, atol=1e-7)
+    np.testing.assert_allclose(mesh.uvs, np.stack([x, y], axis=1), atol=1e-7)
+    expected = np.stack([-y, -x, np.ones_like(x)], axis=1)
+    np.testing.assert_allclose(mesh.normals, expected / np.linalg.norm(expected, axis=1, keepdims=True), atol=1e-6)
+    pinched = primitives.bilinear_patch([[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, 1, 0]], 4)
+    np.testing.assert_allclose(pinched.normals, [[0, 0, 1]] * 25, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: primitives.disk(0.0), lambda: primitives.cylinder(1.0, np.nan), lambda: primitives.cone(0.0, 1.0, 0.0),
+        lambda: primitives.cone(-1.0, 1.0), lambda: primitives.torus(1.0, -1.0), lambda: primitives.disk(1.0, 2),
+        lambda: primitives.bilinear_patch([[0, 0, 0]]), lambda: primitives.bilinear_patch(np.zeros((4, 3)), 0),
+    ],
+)  # fmt: skip
+def test_round_shapes_that_are_none_are_refused(make):
+    with pytest.raises(SceneError):
+        make()

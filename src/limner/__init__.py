@@ -34,46 +34,82 @@ if TYPE_CHECKING:
     from .scene.camera import OrthographicCamera
     from .scene.camera import PerspectiveCamera as Camera
     from .scene.environment import Environment
+    from .scene.fog import Fog
     from .scene.library import builtin
-    from .scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight
-    from .scene.material import BlinnPhong, Lambert, MetallicRoughness, ShadowCatcher
+    from .scene.light import AmbientLight, DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
+    from .scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness, ShadowCatcher
+    from .scene.motion import Motion
     from .scene.node import Node
     from .scene.scene import Scene
-    from .scene.shape import Box, Plane, Shape, Sphere
+    from .scene.shape import (
+        BilinearPatch,
+        Box,
+        Complement,
+        Cone,
+        Cylinder,
+        Difference,
+        Disk,
+        Intersection,
+        Plane,
+        Quadric,
+        Shape,
+        Solid,
+        Sphere,
+        Torus,
+        Union,
+    )
     from .scene.texture import Texels, Texture
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AmbientLight",
+    "BilinearPatch",
     "BlinnPhong",
     "Box",
     "Camera",
+    "Complement",
+    "Cone",
+    "CoolToWarm",
+    "Cylinder",
+    "Dielectric",
+    "Difference",
     "DirectionalLight",
+    "Disk",
+    "DiskLight",
     "Environment",
     "FileFormatError",
+    "Fog",
     "Image",
+    "Intersection",
     "Lambert",
     "LimnerError",
     "LimnerWarning",
     "Mesh",
     "MetallicRoughness",
+    "Motion",
     "Node",
     "OrthographicCamera",
     "Plane",
     "PointLight",
     "Progress",
+    "Quadric",
     "RayCaster",
+    "RectangleLight",
     "RenderError",
     "Renderer",
     "Scene",
     "SceneError",
     "ShadowCatcher",
     "Shape",
+    "Solid",
     "Sphere",
+    "SphereLight",
     "SpotLight",
     "Texels",
     "Texture",
+    "Torus",
+    "Union",
     "UnsupportedError",
     "__version__",
     "builtin",
@@ -108,12 +144,17 @@ _HOMES = {
     "render": ("Renderer", "render"),
     "scene.camera": ("Camera", "OrthographicCamera"),
     "scene.environment": ("Environment",),
+    "scene.fog": ("Fog",),
     "scene.library": ("builtin",),
-    "scene.light": ("AmbientLight", "DirectionalLight", "PointLight", "SpotLight"),
-    "scene.material": ("BlinnPhong", "Lambert", "MetallicRoughness", "ShadowCatcher"),
+    "scene.light": ("AmbientLight", "DirectionalLight", "DiskLight", "PointLight", "RectangleLight", "SphereLight", "SpotLight"),
+    "scene.material": ("BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "MetallicRoughness", "ShadowCatcher"),
+    "scene.motion": ("Motion",),
     "scene.node": ("Node",),
     "scene.scene": ("Scene",),
-    "scene.shape": ("Box", "Plane", "Shape", "Sphere"),
+    "scene.shape": (
+        "BilinearPatch", "Box", "Complement", "Cone", "Cylinder", "Difference", "Disk", "Intersection", "Plane", "Quadric", "Shape",
+        "Solid", "Sphere", "Torus", "Union",
+    ),
     "scene.texture": ("Texels", "Texture"),
 }
 _MODULES = {"dataset": "produce.dataset", "draw": "draw"}

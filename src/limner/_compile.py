@@ -39,6 +39,16 @@ class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
 
+class _OutlinedLibrary(_InnerLibrary):
+    """IR of a kernel that is called, never inlined."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        for function in ll_module.functions:
+            if not function.is_declaration:
+                function.add_function_attribute("noinline")
+        super()._optimize_functions(ll_module)
+
+
 class _DoorLibrary(JITCodeLibrary):  # type: ignore[misc]
     """Everything below a door, optimised as a whole, never run in this process's Numba."""
 
@@ -106,6 +116,11 @@ class _InnerPipeline(Compiler):  # type: ignore[misc]
         super().__init__(typingctx, _context(targetctx, _InnerLibrary), *args, **kwargs)
 
 
+class _OutlinedPipeline(Compiler):  # type: ignore[misc]
+    def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
+        super().__init__(typingctx, _context(targetctx, _OutlinedLibrary), *args, **kwargs)
+
+
 class _DoorPipeline(Compiler):  # type: ignore[misc]
     def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
         super().__init__(typingctx, _context(targetctx, _DoorLibrary), *args, **kwargs)
@@ -120,9 +135,9 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-def inner_kernel(function: Callable[..., Any]) -> Any:
-    """Return the Numba dispatcher of a kernel: callable from kernels, not from Python."""
-    dispatcher = numba.njit(pipeline_class=_InnerPipeline, **_OPTIONS)(function)
+def inner_kernel(function: Callable[..., Any], *, outlined: bool = False) -> Any:
+    """Return the Numba dispatcher of a kernel: callable from kernels, not from Python; `outlined`: never inlined."""
+    dispatcher = numba.njit(pipeline_class=_OutlinedPipeline if outlined else _InnerPipeline, **_OPTIONS)(function)
     template_for = dispatcher.get_call_template
 
     def get_call_template(args: Any, kws: Any) -> Any:

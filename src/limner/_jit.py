@@ -27,7 +27,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-__all__ = ["MODE", "Call", "kernel", "recording"]
+__all__ = ["MODE", "Call", "kernel", "outlined", "recording"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -118,11 +118,24 @@ def _traced(function: F) -> F:
 
 def kernel(function: F) -> F:
     """Make `function` a kernel: compiled into doors, plain Python, or recorded, as the mode says."""
+    return _made(function, outlined=False)
+
+
+def outlined(function: F) -> F:
+    """Make `function` a kernel that is called and never inlined.
+
+    For what is large and seldom reached from a loop that must be fast: inlined, it would take the loop's registers, be compiled once for
+    every caller, and keep its callers from being inlined themselves.
+    """
+    return _made(function, outlined=True)
+
+
+def _made(function: F, *, outlined: bool) -> F:
     if MODE == "python":
         return function
     if MODE == "traced":
         return _traced(function)
     from ._compile import inner_kernel
 
-    compiled: F = inner_kernel(function)
+    compiled: F = inner_kernel(function, outlined=outlined)
     return compiled

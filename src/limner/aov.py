@@ -43,11 +43,12 @@ def channels(
 
 
 def with_solid_blends(tables: SceneTables) -> SceneTables:
-    """The same scene with blended materials cut out where their alpha is below one half."""
+    """The same scene with blended materials cut out where their alpha is below one half, and glass as solid as it feels."""
     blended = tables.materials["alpha_mode"] == layouts.BLEND
     if not blended.any():
         return tables
     materials = tables.materials.copy()
     materials["alpha_mode"][blended] = layouts.MASK
     materials["alpha_cutoff"][blended] = 0.5
+    materials["alpha_mode"][materials["kind"] == layouts.DIELECTRIC] = layouts.OPAQUE
     return tables._replace(materials=materials)

@@ -13,6 +13,7 @@ keeps what did not change from one picture to the next.
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 import warnings as python_warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -29,20 +30,25 @@ from .film import Film
 from .image.image import Image
 from .image.recipe import Recipe
 from .image.reconstruct import FILTERS
+from .kernel.sampler_kinds import SAMPLERS, SOBOL
+from .pixel_filter import filtered_samples
 from .progress import Meter, OnProgress
 from .raster import pipeline
 from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
 from .raster.memory import Memory
 from .raster.pipeline import CULLINGS
 from .raytrace import driver
-from .samples import filtered_samples, pixel_samples
+from .samples import pixel_samples
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.framing import with_defaults
+from .scene.lamp import lights_in_solids, with_lamps
+from .scene.material import Dielectric
 from .scene.scene import Scene
-from .tables.build import Built, View, flatten, names, view
-from .tables.layouts import Lighting
+from .tables.build import Built, View, flatten, media_table, names, view
+from .tables.layouts import Instants, Lighting
 from .tables.lighting import lighting
+from .tables.motion import instants
 from .tables.sky_blur import blurred_sky
 from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 
@@ -74,6 +80,11 @@ def render(
     camera: Camera | None = None,
     max_depth: int = 8,
     shadows: bool = True,
+    sampler: str | None = None,
+    glossy: bool = False,
+    emitters: bool = False,
+    tinted_shadows: bool | None = None,
+    shutter: tuple[float, float] | None = None,
     antialiasing: str = "multisample",
     shading: str = "fragment",
     hidden_surfaces: str = "zbuffer",
@@ -105,9 +116,23 @@ def render(
     camera : Camera, optional
         In place of the scene's own.
     max_depth : int >= 0
-        How often a ray is reflected (`ray`) or light scattered (`path`) at most.
+        How often a ray is reflected and refracted (`ray`) or light scattered (`path`) at most.
     shadows : bool
         Whether lights can be hidden (`ray`).
+    sampler : "regular" | "random" | "jittered" | "multijittered" | "halton" | "sobol", optional
+        Where every pixel's samples look, and how all that is drawn by lot is spread over them: the lens, the time, points of lights,
+        reflections (`ray`, `path`). "regular" and the jittered ones divide a pixel into as many cells as there are samples, so square
+        numbers suit them. None: a pattern that all pixels share (`raster`, `ray`), and "sobol" for all else.
+    glossy : bool
+        Whether the rough mirrors of metallic-roughness materials are followed by rays (`ray`), so that they reflect what stands around
+        them; otherwise they reflect lights and the blurred sky.
+    emitters : bool
+        Whether surfaces that shine light others (`ray`). In `path` they do, and area lights do in both.
+    tinted_shadows : bool, optional
+        Whether light goes straight through glass and water, dimmed and coloured, to what lies behind; otherwise it is stopped there, and
+        `path` finds what they focus, by chance. None: in `ray`, where nothing else lights what lies behind, but not in `path`.
+    shutter : (float, float), optional
+        When it opens and closes: what has a motion is blurred (`ray`, `path`). None: a picture of time 0.
     antialiasing : "multisample" | "supersample"
         Whether what covers several samples of a pixel is shaded once, in the middle of them, or every sample for itself (`raster`).
         Edges are the same; supersampling is smoother where shading changes within a pixel, has the very colours of `ray`, and takes as
@@ -147,6 +172,7 @@ def render(
     """
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
+        sampler=sampler, glossy=glossy, emitters=emitters, tinted_shadows=tinted_shadows, shutter=shutter,
         antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping, culling=culling,
         filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
@@ -174,9 +200,8 @@ class Renderer:
 
     Parameters
     ----------
-    scene, width, height, renderer, samples, seed, max_depth, shadows, antialiasing, shading, hidden_surfaces,
-    clipping, culling, filter, threads, tile_size, aovs,
-    default_lights
+    scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter,
+    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, default_lights
         As in `render`.
 
     Every picture is the one that `render` would make, to the bit. A Renderer belongs to one thread at a time; several may work side by
@@ -201,6 +226,11 @@ class Renderer:
         seed: int = 0,
         max_depth: int = 8,
         shadows: bool = True,
+        sampler: str | None = None,
+        glossy: bool = False,
+        emitters: bool = False,
+        tinted_shadows: bool | None = None,
+        shutter: tuple[float, float] | None = None,
         antialiasing: str = "multisample",
         shading: str = "fragment",
         hidden_surfaces: str = "zbuffer",
@@ -225,6 +255,9 @@ class Renderer:
             raise UnsupportedError(f'hidden_surfaces must be "zbuffer" or "painter", got {hidden_surfaces!r}')
         if clipping not in ("homogeneous", "world"):
             raise UnsupportedError(f'clipping must be "homogeneous" or "world", got {clipping!r}')
+        self._sampler, self._shutter = _checked_sampler(sampler, renderer), _checked_shutter(shutter, renderer)
+        self._glossy, self._emitters = bool(glossy), bool(emitters)
+        self._tinted_shadows = renderer == "ray" if tinted_shadows is None else bool(tinted_shadows)
         if culling not in CULLINGS:
             raise UnsupportedError(f"culling must be one of {', '.join(CULLINGS)}, got {culling!r}")
         if filter not in FILTERS:
@@ -387,33 +420,44 @@ class Renderer:
         given = self.scene if camera is None else self.scene.replace(camera=camera)
         scene, messages = with_defaults(given, self._width / self._height, lights=self._default_lights)
         assert scene.camera is not None
-        is_raster = self._renderer == "raster"
-        built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster)
+        is_raster, opening = self._renderer == "raster", self._shutter[0]
+        messages = (*messages, *lights_in_solids(scene))
+        scene = with_lamps(scene, opening)
+        assert scene.camera is not None
+        built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster, time=opening)
         self._built = built
-        seen = view(scene, built.tables, scene.camera, self._width, self._height)
+        seen = view(scene, built.tables, scene.camera, self._width, self._height, opening)
         (film, memory), self._spare = self._spare or (Film(self._width, self._height, self._tile_size), Memory()), None
         light, background = self._lighting(scene, built), _background(scene)
         notes: list[str] = []
+        work: Work
         if is_raster:
+            notes.extend(_left_out(scene))
             places, weights = filtered_samples(self._samples, self._filter)
-            work: Work = pipeline.prepare(
+            work = pipeline.prepare(
                 built.tables, light, seen, places, background, film.sums, sample_weights=weights, culling=self._culling,
                 threads=self._threads, tile_size=self._tile_size, multisample=self._multisample, frequency=_FREQUENCIES[self._shading],
                 hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append, memory=memory,
             )  # fmt: skip
-        elif self._renderer == "ray":
-            work = driver.prepare(
-                built.tables, self._accelerator(built), light, seen, pixel_samples(self._samples), background, film.sums,
-                max_depth=self._max_depth, shadows=self._shadows,
-            )  # fmt: skip
         else:
-            work = driver.prepare_paths(
-                built.tables, self._accelerator(built), light, seen, background, film.sums, max_depth=self._max_depth, seed=self._seed
-            )
+            moved = instants(scene, built.tables, scene.camera, self._width, self._height, self._shutter)
+            stage = driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, background)
+            prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
+            work = prepare(stage, self._settings(), film.sums)
         return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
 
-    def _accelerator(self, built: Built) -> Accelerator:
+    def _settings(self) -> driver.Settings:
+        shares_pattern = self._sampler is None and self._renderer == "ray"
+        return driver.Settings(
+            self._samples, pixel_samples(self._samples) if shares_pattern else None,
+            SOBOL if self._sampler is None else SAMPLERS[self._sampler], self._seed, self._max_depth, self._shadows, self._tinted_shadows,
+            self._glossy, self._emitters,
+        )  # fmt: skip
+
+    def _accelerator(self, built: Built, moved: Instants) -> Accelerator:
         """The tree over the scene; the last one while nothing in it has moved."""
+        if len(moved.moving):
+            return bvh.build(built.tables, instants=moved)
         if self._tree is None or not _same_primitives(self._tree[0], built):
             self._tree = built, bvh.build(built.tables)
         return self._tree[1]
@@ -463,6 +507,11 @@ class Renderer:
             "seed": self._seed,
             "max_depth": self._max_depth,
             "shadows": self._shadows,
+            "sampler": self._sampler,
+            "glossy": self._glossy,
+            "emitters": self._emitters,
+            "tinted_shadows": self._tinted_shadows,
+            "shutter": list(self._shutter),
             "antialiasing": "multisample" if self._multisample else "supersample",
             "shading": self._shading,
             "hidden_surfaces": self._hidden_surfaces,
@@ -470,7 +519,7 @@ class Renderer:
             "culling": self._culling,
             "filter": self._filter,
             "default_lights": self._default_lights,
-            "camera": {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(frame.camera).items()},
+            "camera": _plain(frame.camera),
         }
         if not finished:
             values["finished"] = False
@@ -501,6 +550,49 @@ def _check(width: int, height: int, renderer: str, samples: int | None, seed: in
         raise SceneError(f"max_depth must be an integer from 0 to 1000, got {max_depth!r}")
     if tile_size is not None and (not is_whole(tile_size) or not 8 <= tile_size <= 1024):
         raise SceneError(f"tile_size must be an integer from 8 to 1024, got {tile_size!r}")
+
+
+def _checked_sampler(sampler: str | None, renderer: str) -> str | None:
+    if sampler is None:
+        return None
+    if sampler not in SAMPLERS:
+        raise UnsupportedError(f"sampler must be one of {', '.join(SAMPLERS)}, got {sampler!r}")
+    if renderer == "raster":
+        raise UnsupportedError(f"raster has one pattern of samples for all pixels; ray and path can have the sampler {sampler!r}")
+    return sampler
+
+
+def _checked_shutter(shutter: tuple[float, float] | None, renderer: str) -> tuple[float, float]:
+    if shutter is None:
+        return 0.0, 0.0
+    try:
+        opens, closes = (float(time) for time in shutter)
+    except (TypeError, ValueError):
+        raise SceneError(f"shutter must be two times, as in (0.0, 1.0), got {shutter!r}") from None
+    if not (math.isfinite(opens) and math.isfinite(closes) and opens <= closes):
+        raise SceneError(f"the shutter must not close before it opens, got {opens} and {closes}")
+    if opens < closes and renderer == "raster":
+        raise UnsupportedError("raster sees one time only; ray and path can leave the shutter open")
+    return opens, closes
+
+
+def _left_out(scene: Scene) -> list[str]:
+    """What the rasteriser does not show of a scene, a sentence each."""
+    said = []
+    if any(isinstance(material, Dielectric) for _, shape in scene.shapes() for material in shape.materials):
+        said.append("raster cannot bend light: glass is drawn as a veil; ray and path follow light through it")
+    if scene.fog is not None:
+        said.append("raster has no fog; ray and path have")
+    if getattr(scene.camera, "aperture_radius", None):
+        said.append("raster sees through a pinhole; ray and path through the camera's lens")
+    return said
+
+
+def _plain(value: Any) -> Any:
+    """A camera or what it holds as plain values, as a recipe can keep them."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return {key: _plain(held) for key, held in vars(value).items()} if hasattr(value, "__dict__") else value
 
 
 def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Print a digest of a small picture by each renderer, as JSON: colours and channels, all bits.
+"""Print a digest of a small picture by each renderer, and of one of all exact shapes by rays, as JSON: colours and channels, all bits.
 
 With --warm-up: compile everything first, and tell how long it took and which kernels there are.
 
@@ -31,7 +31,21 @@ from limner.scene.light import AmbientLight, PointLight, SpotLight
 from limner.scene.material import BlinnPhong, Lambert, MetallicRoughness
 from limner.scene.node import Node
 from limner.scene.scene import Scene
-from limner.scene.shape import Box, Plane, Sphere
+from limner.scene.shape import (
+    BilinearPatch,
+    Box,
+    Cone,
+    Cylinder,
+    Difference,
+    Disk,
+    Intersection,
+    Plane,
+    Quadric,
+    Solid,
+    Sphere,
+    Torus,
+    Union,
+)
 
 
 def small_scene() -> Scene:
@@ -53,8 +67,24 @@ def small_scene() -> Scene:
     )
 
 
-def digest(renderer: str) -> str:
-    image = render(small_scene(), width=24, height=16, renderer=renderer, samples=1, aovs=CHANNELS, threads=1)
+def exact_scene() -> Scene:
+    """All exact shapes, and solids cut out of each other."""
+    drill = Solid(Cylinder(0.2, 2.0), transform.rotate_x(0.4), material=Lambert(color=(0.9, 0.2, 0.1)))
+    cut = Difference(Intersection(Box(0.9), Sphere(0.6)), drill)
+    shapes = (
+        Cylinder(0.3, 0.6), Cone(0.3, 0.6, 0.1, capped=False), Torus(0.3, 0.12), Disk(0.3), BilinearPatch(), cut,
+        Quadric((1, -1, 1, 0, 0, 0, 0, 0, 0, -0.03), low=-0.4, high=0.4),
+        Union(Sphere(0.3), Solid(Torus(0.3, 0.1), transform.rotate_z(1.0))),
+    )  # fmt: skip
+    nodes = [
+        place(shape, Lambert(color=(0.2, 0.5, 0.9), texture=checkers(4)), matrix=transform.translate(k % 4 - 1.5, 0.6 * (k // 4), 0.1 * k))
+        for k, shape in enumerate(shapes)
+    ]
+    return scene_of(*nodes, place(Plane(), at=(0, -0.5, 0)), camera=PerspectiveCamera.look_at((0.4, 1.6, 3.4), (0, 0.2, 0)))
+
+
+def digest(renderer: str, scene: Scene) -> str:
+    image = render(scene, width=24, height=16, renderer=renderer, samples=1, aovs=CHANNELS, threads=1)
     found = hashlib.blake2b(digest_size=16)
     for array in (image.pixels, *(image.aov[name] for name in CHANNELS)):
         found.update((array + array.dtype.type(0)).tobytes())  # -0 and 0 are one number
@@ -82,5 +112,6 @@ if __name__ == "__main__":
         started = time.perf_counter()
         warm_up()
         answer |= {"seconds": time.perf_counter() - started, "signatures": signatures()}
-    answer["pictures"] = {renderer: digest(renderer) for renderer in ("raster", "ray")}
+    answer["pictures"] = {renderer: digest(renderer, small_scene()) for renderer in ("raster", "ray")}
+    answer["pictures"] |= {"exact": digest("ray", exact_scene())}
     print(json.dumps(answer))  # noqa: T201 - this is its answer

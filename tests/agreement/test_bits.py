@@ -19,7 +19,10 @@ from limner.render import render
 from limner.scene.library import builtin
 
 _PROGRAM = Path(__file__).with_name("fingerprint.py")
-_GENERIC = {"limner.shading.surface.transform_vector": 2}  # (3, 4) and (3, 3) matrices
+_GENERIC = {"limner.kernel.transform.transform_vector": 2, "limner.accel.walk.exact_tables": 2}  # (3, 4) and (3, 3) matrices; below
+# What doors for scenes of all exact shapes pass on, where those for triangles, spheres and planes have None
+_TABLES = [f"Array({kind}, {n}, 'C', False, aligned=True)" for kind, n in (("float32", 1), ("int32", 1), ("float64", 2))]
+_EXACT = f"Tuple(({', '.join(_TABLES)}))"
 
 
 def _small_scene() -> Any:
@@ -78,8 +81,10 @@ def test_every_cpu_computes_the_same(as_python, for_any_cpu):
 
 
 def _of_one(types: str) -> str:
-    """A signature with the lanes as if they were numbers."""
-    for lanes, number in (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"), ("3x8", "3"), ("rx8", "r")):
+    """A signature with the lanes as if they were numbers, and exact shapes as if there were none."""
+    types = types.replace(_EXACT, "none")
+    kinds = (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"), ("3x8", "3"), ("rx8", "r"))
+    for lanes, number in kinds:
         types = types.replace(lanes, number)
     return re.sub(r"(\w+) x (\d+)", lambda many: ", ".join([many[1]] * int(many[2])), types)
 
@@ -92,8 +97,8 @@ def test_tracing_changes_nothing(as_python):
 def test_kernels_are_compiled_once(for_any_cpu, record_property):
     """A kernel that is called with int32 here and int64 there is compiled twice, and so is all below it: a slip of types.
 
-    Once for numbers and once for lanes is what the shading is made for. Those that take tables of several kinds by design are named in
-    `_GENERIC`.
+    Once for numbers and once for lanes is what the shading is made for, with exact shapes and without what the ray tracers are. Those
+    that take tables of several kinds by design are named in `_GENERIC`.
     """
     found = for_any_cpu["signatures"]
     record_property("kernels", len(found))

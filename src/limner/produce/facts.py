@@ -22,8 +22,9 @@ from ..linear import transform
 from ..mesh.mesh import Mesh
 from ..scene.material import Material, MetallicRoughness
 from ..scene.scene import Scene
-from ..scene.shape import Box, Geometry, Sphere
+from ..scene.shape import Geometry
 from ..scene.texture import Texels, Texture
+from ..tables.exact import materials_of
 
 __all__ = ["dominant_colors", "facts", "guess_up", "number", "report_of_pixels", "tight_bounds"]
 
@@ -66,7 +67,7 @@ def facts(scene: Scene) -> dict[str, Any]:
     """
     shown = scene.shapes()
     meshes = list({id(shape.geometry): shape.geometry for _, shape in shown if isinstance(shape.geometry, Mesh)}.values())
-    materials = list({id(material): material for _, shape in shown for material in shape.materials}.values())
+    materials = list({id(material): material for _, shape in shown for material in materials_of(shape)}.values())
     textures = _texels(materials)
     lights, cameras = scene.lights(), scene.cameras()
     bounds = tight_bounds(scene)
@@ -185,13 +186,8 @@ def _extremes(world_from_object: Floats, geometry: Geometry) -> tuple[Floats, Fl
         used[geometry.triangles.reshape(-1)] = True
         points = transform.transform_points(world_from_object, np.asarray(geometry.positions, dtype=np.float64)[used])
         return points.min(axis=0), points.max(axis=0)
-    if isinstance(geometry, Sphere):
-        reach = geometry.radius * np.linalg.norm(linear, axis=1)  # of M p with |p| = r along each axis: r times the row's length
-    elif isinstance(geometry, Box):
-        reach = np.abs(linear) @ (np.asarray(geometry.size) / 2.0)
-    else:
-        return None
-    return middle - reach, middle + reach
+    low, high = geometry.range_along(linear)
+    return (middle + low, middle + high) if (low <= high).all() else None
 
 
 # --- which way is up ------------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from ..draw.wireframe import Seen
 from ..image.image import Image
 from ..scene.camera import Camera, OrthographicCamera
 from ..scene.framing import extent_points, framing_camera, with_defaults
-from ..scene.material import BlinnPhong, Lambert, Material, MetallicRoughness, ShadowCatcher
+from ..scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, Material, MetallicRoughness, ShadowCatcher
 from ..scene.node import Node
 from ..scene.scene import Scene
 from ..scene.shape import Shape
@@ -304,11 +304,17 @@ def _clay(material: Material) -> Material:
     )  # fmt: skip
 
 
-def _texture_of(material: Lambert | BlinnPhong | MetallicRoughness) -> tuple[Texture | None, tuple[float, float, float]]:
+def _texture_of(
+    material: Lambert | BlinnPhong | MetallicRoughness | Dielectric | CoolToWarm,
+) -> tuple[Texture | None, tuple[float, float, float]]:
     if isinstance(material, Lambert):
         return material.texture, material.color
     if isinstance(material, BlinnPhong):
         return material.diffuse_texture, material.diffuse
+    if isinstance(material, Dielectric):
+        return None, material.tint
+    if isinstance(material, CoolToWarm):
+        return None, material.warm
     return material.base_color_texture, material.base_color
 
 

@@ -192,7 +192,7 @@ def prepare(
     culling : "material" | "back" | "front" | "none"
         Which triangles are left out: the backs of one-sided materials, all backs, all fronts, none.
     sample_weights : (n,) float32, optional
-        What each sample counts (`limner.samples.filtered_samples`), their sum n; None: 1 each.
+        What each sample counts (`limner.pixel_filter.filtered_samples`), their sum n; None: 1 each.
     memory : Memory, optional
         Of a picture before this one, which is done.
     """

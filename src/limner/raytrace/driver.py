@@ -4,153 +4,205 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._door import Array, Door, Scalar
+from .._door import Array, Door, Scalar, Signature
 from ..accel import bvh
-from ..accel.layouts import ACCELERATOR_ARRAYS, STACK_SIZE, Accelerator
+from ..accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE, Accelerator
+from ..kernel.sampler_kinds import SOBOL, columns_of
 from ..tables import layouts
 from ..tables.build import View
-from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
-from ..tables.lighting import lighting as lighting_of
-from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
+from ..tables.layouts import INSTANTS_ARRAYS, LIGHTING_ARRAYS, SCENE_ARRAYS, Instants, Lighting, SceneTables
+from ..tiles import PerThread, Tile, run_all, tiles_of
 
-__all__ = ["draw", "draw_channels", "prepare", "prepare_paths"]
+__all__ = ["Settings", "Stage", "draw_channels", "prepare", "prepare_paths"]
 
-MAX_PENDING = 32  # rays of one tree that wait
+MAX_PENDING = 64  # rays of one tree that wait
 _I64 = Scalar(np.int64)
+_ENDS, _NO_ENDS = Array(np.float64, 2), Array(np.float64, 1)
 
-_TRACE = Door(
+
+class _Doors:
+    """A door for scenes of triangles, spheres and planes, and one that knows all exact shapes and triangles that move: it takes longer to
+    compile, and only scenes that have some wait for it.
+    """
+
+    def __init__(self, module: str, function: str, signature: Signature, what: str) -> None:
+        self._usual = Door(module, function, tuple(_NO_ENDS if kind == _ENDS else kind for kind in signature), what)
+        self._exact = Door(module, f"{function}_exact", signature, f"{what} with exact shapes")
+
+    def serving(self, needs_exact: bool) -> Door:
+        """The door for a scene."""
+        return self._exact if needs_exact else self._usual
+
+
+_PICTURE = (
+    *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(layouts.MEDIUM, 1),
+    *INSTANTS_ARRAYS,
+)  # fmt: skip
+_TILE = (Array(np.int32, 1), _ENDS, Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64, _I64, _I64)
+
+_TRACE = _Doors(
     "limner.raytrace.tile",
     "trace_tile",
     (
-        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.int32, 2),
-        Array(np.float32, 1),
-        _I64, _I64, _I64, Array(np.float32, 2), Array(np.int32, 1), Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64, _I64, _I64,
+        *_PICTURE, Array(np.int32, 2), Array(np.float32, 1), Array(np.int64, 1), Array(np.float32, 2), Array(np.int64, 2), *_TILE,
     ),
     "the ray renderer",
 )  # fmt: skip
 
-_TRACE_PATH = Door(
+_TRACE_PATH = _Doors(
     "limner.raytrace.path_tile",
     "trace_path_tile",
-    (
-        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.float32, 1),
-        _I64, _I64, _I64, Array(np.int32, 1), Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64, _I64, _I64,
-    ),
+    (*_PICTURE, Array(np.float32, 1), Array(np.int64, 1), *_TILE),
     "the path renderer",
-)  # fmt: skip
+)
 
-_TRACE_AOV = Door(
+_TRACE_AOV = _Doors(
     "limner.raytrace.aov_tile",
     "trace_aov_tile",
     (
-        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.int32, 1), Array(np.float32, 3),
-        Array(np.int32, 3), _I64, _I64, _I64, _I64, _I64,
+        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), Array(np.int32, 1), _ENDS,
+        Array(np.float32, 3), Array(np.int32, 3), _I64, _I64, _I64, _I64, _I64,
     ),
     "the ray renderer's channels",
 )  # fmt: skip
 
 
 class _Scratch(threading.local):
-    """Rays and nodes that wait, once for each thread."""
+    """Rays and nodes that wait, and where a ray is inside the leaves of a combination; once for each thread."""
 
-    def __init__(self) -> None:
-        self.arrays = (np.empty((MAX_PENDING, 10), dtype=np.float32), np.empty(STACK_SIZE, dtype=np.int32))
-
-
-def draw(
-    tables: SceneTables,
-    view: View,
-    sample_places: NDArray[np.int32],
-    background: NDArray[np.float32],
-    film: NDArray[np.float32],
-    *,
-    max_depth: int,
-    shadows: bool,
-    threads: int,
-    tile_size: int,
-    accelerator: bvh.Kind = "bvh",
-    on_progress: OnProgress | None = None,
-    cancel: Cancel | None = None,
-) -> None:
-    """Trace all samples of a scene without a sky; see `prepare`. Raises Cancelled; the film then holds the tiles that are done."""
-    tree, lighting = bvh.build(tables, accelerator), lighting_of(tables, None)
-    work = prepare(tables, tree, lighting, view, sample_places, background, film, max_depth=max_depth, shadows=shadows)
-    run_all(
-        lambda tile: work(tile, 0, len(sample_places)),
-        tiles_of(film.shape[1], film.shape[0], tile_size),
-        threads,
-        on_progress,
-        cancel,
-    )
+    def __init__(self, needs_exact: bool) -> None:
+        ends = np.empty(ENDS_SHAPE if needs_exact else (0,), dtype=np.float64)
+        self.pending = np.empty((MAX_PENDING, 10), dtype=np.float32)
+        self.waiting = np.empty((MAX_PENDING, 3), dtype=np.int64)
+        self.walk = np.empty(STACK_SIZE, dtype=np.int32), ends
 
 
-def prepare(
-    tables: SceneTables,
-    tree: Accelerator,
-    lighting: Lighting,
-    view: View,
-    sample_places: NDArray[np.int32],
-    background: NDArray[np.float32],
-    film: NDArray[np.float32],
-    *,
-    max_depth: int,
-    shadows: bool,
-) -> Callable[[Tile, int, int], None]:
+class Settings(NamedTuple):
+    """How to trace.
+
+    Attributes
+    ----------
+    samples : int
+        Of each pixel, in all.
+    sample_places : (n, 2) int32, optional
+        The samples of every pixel, relative to its centre, in 1/256 pixel; None: every pixel draws its own.
+    sampler : int
+        Where `sample_places` do not say, and for all other decisions: a kind of `limner.samples.SAMPLERS`.
+    seed : int
+    max_depth : int
+        How often a ray is reflected and refracted at most, or light scattered.
+    shadows : bool
+        Whether lights can be hidden (Whitted's algorithm only).
+    tinted_shadows : bool
+        Whether light goes straight through dielectrics.
+    glossy : bool
+        Whether rough mirrors are followed by rays (Whitted's algorithm only).
+    emitters : bool
+        Whether shining surfaces light others (Whitted's algorithm only).
+    """
+
+    samples: int
+    sample_places: NDArray[np.int32] | None = None
+    sampler: int = SOBOL
+    seed: int = 0
+    max_depth: int = 8
+    shadows: bool = True
+    tinted_shadows: bool = True
+    glossy: bool = False
+    emitters: bool = False
+
+
+class Stage(NamedTuple):
+    """What is to be traced.
+
+    Attributes
+    ----------
+    tables, tree, lighting, view : SceneTables, Accelerator, Lighting, View
+    media : (n,) MEDIUM
+        As `limner.tables.build.media_table` makes them.
+    instants : Instants
+        Of what moves; the tree must have been built with them.
+    background : (4,) float32
+        Radiance and alpha of what lies behind everything, where no sky does.
+    """
+
+    tables: SceneTables
+    tree: Accelerator
+    lighting: Lighting
+    view: View
+    media: NDArray[np.void]
+    instants: Instants
+    background: NDArray[np.float32]
+
+    def needs_exact(self) -> bool:
+        """Whether there are other exact shapes than spheres, planes and boxes, or triangles that move."""
+        return _has_exact_shapes(self.tables) or len(self.instants.moving) > 0
+
+    def arguments(self) -> tuple[Any, ...]:
+        """The first arguments of a door, for one thread: what moves is moved in copies."""
+        tables, view = self.tables, self.view
+        if len(self.instants.cameras):
+            tables, view = tables._replace(instances=tables.instances.copy()), view._replace(camera=view.camera.copy())
+        return (*tables, *self.tree, *self.lighting, *view, self.media, *self.instants)
+
+
+def prepare(stage: Stage, settings: Settings, film: NDArray[np.float32]) -> Callable[[Tile, int, int], None]:
     """Make ready to trace by Whitted's algorithm. What comes back traces a range of the samples of a tile, from any thread.
 
     Parameters
     ----------
-    tables, tree, lighting, view : SceneTables, Accelerator, Lighting, View
-    sample_places : (n, 2) int32
-        The samples of every pixel, relative to its centre, in 1/256 pixel.
-    background : (4,) float32
-        Radiance and alpha of what lies behind everything, where no sky does.
+    stage : Stage
+    settings : Settings
     film : (height, width, 4) float32
         Premultiplied sums, row 0 at the bottom; the caller divides by the number of samples.
-    max_depth : int
-        How often a ray is reflected at most.
-    shadows : bool
     """
-    has_alpha = _has_alpha(tables)
+    places = _NO_PLACES if settings.sample_places is None else settings.sample_places
+    rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
-        scratch = _Scratch().arrays
-        return _TRACE.bind(
-            *tables, *tree, *lighting, *view, sample_places, background, has_alpha, int(shadows), max_depth, *scratch, film
+        scratch = _Scratch(stage.needs_exact())
+        return _TRACE.serving(stage.needs_exact()).bind(
+            *stage.arguments(), places, stage.background, rules, scratch.pending, scratch.waiting, *scratch.walk, film
         )
 
     kernel = PerThread(bound)
     return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
 
 
-def prepare_paths(
-    tables: SceneTables,
-    tree: Accelerator,
-    lighting: Lighting,
-    view: View,
-    background: NDArray[np.float32],
-    film: NDArray[np.float32],
-    *,
-    max_depth: int,
-    seed: int,
-) -> Callable[[Tile, int, int], None]:
-    """Make ready to trace paths; as `prepare`. `max_depth` is how often light is scattered at most."""
-    has_alpha = _has_alpha(tables)
+def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -> Callable[[Tile, int, int], None]:
+    """Make ready to trace paths; as `prepare`."""
+    rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
-        stack = _Scratch().arrays[1]
-        return _TRACE_PATH.bind(*tables, *tree, *lighting, *view, background, has_alpha, max_depth, seed, stack, film)
+        return _TRACE_PATH.serving(stage.needs_exact()).bind(
+            *stage.arguments(), stage.background, rules, *_Scratch(stage.needs_exact()).walk, film
+        )
 
     kernel = PerThread(bound)
     return lambda tile, first_sample, last_sample: kernel.value(*tile, first_sample, last_sample)
 
 
-def _has_alpha(tables: SceneTables) -> int:
-    return int((tables.materials["alpha_mode"] != layouts.OPAQUE).any())
+_NO_PLACES = np.zeros((0, 2), dtype=np.int32)
+
+
+def _rules(stage: Stage, settings: Settings) -> NDArray[np.int64]:
+    """(10,) int64, in the order of `limner.raytrace.rules.Rules`."""
+    numbers = (
+        (stage.tables.materials["alpha_mode"] != layouts.OPAQUE).any(), settings.shadows, settings.max_depth, settings.tinted_shadows,
+        settings.glossy, settings.emitters and len(stage.lighting.emitters) > 0, settings.sampler, settings.seed, settings.samples,
+        columns_of(settings.samples),
+    )  # fmt: skip
+    return np.array(numbers, dtype=np.int64)
+
+
+def _has_exact_shapes(tables: SceneTables) -> bool:
+    """Whether there are any but spheres, planes and boxes."""
+    return bool((tables.instances["kind"] >= layouts.DISK).any())
 
 
 def draw_channels(
@@ -174,9 +226,10 @@ def draw_channels(
     """
     height, width = ids.shape[:2]
     tree = bvh.build(tables, accelerator)
-    scratch = _Scratch()
+    needs_exact = _has_exact_shapes(tables)
+    scratch, door = _Scratch(needs_exact), _TRACE_AOV.serving(needs_exact)
     run_all(
-        lambda tile: _TRACE_AOV(*tables, *tree, *view, scratch.arrays[1], values, ids, *tile),
+        lambda tile: door(*tables, *tree, *view, *scratch.walk, values, ids, *tile),
         tiles_of(width, height, tile_size),
         threads,
     )

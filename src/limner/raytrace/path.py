@@ -5,6 +5,9 @@ A path starts at the eye and is scattered at every surface as the surface scatte
 it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2). After a few surfaces a path that carries little is ended
 by lot and the others are strengthened for it (Russian roulette), which changes no mean.
 
+Glass and water send a path one of two ways, by lot. What they focus (caustics) is found by chance alone, so only of lights that have an
+area, and of the sky; unless light is taken to go straight through them (`tinted`), and then is asked for like any other.
+
 Ambient light is a sky of one brightness that the camera does not see.
 """
 
@@ -12,32 +15,41 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..accel.walk import first_hit
-from ..kernel.sampler import SOBOL, sample_1d, sample_2d
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, luminance, max_component, normalize
+from ..kernel.sampler import Sampler, draw_1d, draw_2d
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize
 from ..shading.analytic import view_ray
+from ..shading.area_lights import has_area, pdf_light, sample_light
 from ..shading.bsdf import eval_bsdf, resolve
+from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
-from ..shading.lights import ambient_level, illuminate, lit_radiance
+from ..shading.glossy import scatter_in_square
+from ..shading.lights import ambient_level
+from ..shading.medium import cross_surface, filling, haze_of, passed
 from ..shading.sample import pdf_bsdf, sample_bsdf
 from ..shading.sky import pdf_sky, sample_sky, sky_radiance
-from ..shading.surface import flip_to_front
-from ..shading.visible import direction_to_eye, is_analytic
-from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SHADOW_CATCHER
+from ..shading.surface import SurfacePoint, flip_to_front
+from ..shading.visible import direction_to_eye
+from ..tables.layouts import AMBIENT_LIGHT, DIELECTRIC, DIRECTIONAL_LIGHT, SHADOW_CATCHER
+from .hit import first_hit_point, hit_point, lens_hit_point
+from .lens import lens_ray
+from .rules import Rules
+from .shadow import transmittance
 from .spawn import off_surface
-from .whitted import first_hit_point, hit_point, transmittance
+from .start import LENS
 
 __all__ = ["path_radiance"]
 
-f32 = np.float32
+f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
 _FIRST_ROULETTE = 3
 _LEAST_SURVIVAL = f32(0.05)
 _MAX_SURFACES = 256
-# Dimensions of the sampler: two for the pixel, then so many for every surface of a path.
+# Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
 _PER_SURFACE = 7
+_FIRST_LIGHT = -3
 
 
 @kernel
@@ -47,142 +59,251 @@ def _balance(a: np.float32, b: np.float32) -> np.float32:
 
 
 @kernel
-def _direct(scene, accelerator, lighting, has_alpha, point, bsdf, wo: Vec3, choice, u1, v1, u2, v2, stack) -> Color:
-    """Light that comes straight from lights, shining surfaces and the sky, one sample of each of the latter."""
+def _from_lights(
+    scene, accelerator, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, points_only: bool,
+    wo: Vec3, stack,
+) -> Color:  # fmt: skip
+    """Light that comes straight from the lights, one point of each; `points_only`: not from those that paths meet by chance."""
     lights = scene[7]
     p, n = point.position, point.n
     total = Color(ZERO, ZERO, ZERO)
     for k in range(lights.shape[0]):
-        if lights[k]["kind"] == AMBIENT_LIGHT:
+        is_area = has_area(lights[k])
+        if lights[k]["kind"] == AMBIENT_LIGHT or (is_area and points_only):
             continue
-        light = illuminate(lights[k], p)
-        value = lit_radiance(bsdf, wo, light)
+        u, v = _HALF, _HALF
+        if is_area:
+            u, v = draw_2d(sampler, first - k)
+        light = sample_light(lights[k], p, u, v)
+        value = eval_bsdf(bsdf, wo, light.wi) * light.irradiance
         if max_component(value) > ZERO and dot(n, light.wi) > ZERO:
             distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
-            total = total + value * transmittance(scene, accelerator, has_alpha, point, light.wi, distance, stack)
-    shine = sample_emitter(scene, lighting, p, choice, u1, v1)
-    if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
-        value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
-        if max_component(value) > ZERO:
-            weight = _balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi)) / shine.pdf
-            total = total + value * (weight * transmittance(scene, accelerator, has_alpha, point, shine.wi, shine.distance, stack))
-    sky = sample_sky(lighting, u2, v2)
-    if sky.pdf > ZERO and dot(n, sky.wi) > ZERO:
-        value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
-        if max_component(value) > ZERO:
-            weight = _balance(sky.pdf, pdf_bsdf(bsdf, wo, sky.wi)) / sky.pdf
-            total = total + value * (weight * transmittance(scene, accelerator, has_alpha, point, sky.wi, _INFINITY, stack))
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack)
+            if is_area and lights[k]["visible"] != 0 and not seen.through_glass:
+                value = value * _balance(light.pdf, pdf_bsdf(bsdf, wo, light.wi))
+            total = total + value * seen.share
     return total
 
 
 @kernel
-def _lit_share(scene, accelerator, lighting, has_alpha, point, bsdf, wo: Vec3, choice, u1, v1, u2, v2, stack) -> np.float32:
+def _direct(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, wo: Vec3,
+    choice, u1, v1, u2, v2, stack,
+) -> Color:  # fmt: skip
+    """Light that comes straight from lights, shining surfaces and the sky, one sample of each."""
+    p, n = point.position, point.n
+    total = _from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
+    shine = sample_emitter(scene, lighting, p, choice, u1, v1)
+    if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
+        value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
+        if max_component(value) > ZERO:
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
+            weight = ONE if seen.through_glass else _balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
+            total = total + value * (weight / shine.pdf) * seen.share
+    sky = sample_sky(lighting, u2, v2)
+    if sky.pdf > ZERO and dot(n, sky.wi) > ZERO:
+        value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
+        if max_component(value) > ZERO:
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, sky.wi, _INFINITY, stack)
+            weight = ONE if seen.through_glass else _balance(sky.pdf, pdf_bsdf(bsdf, wo, sky.wi))
+            total = total + value * (weight / sky.pdf) * seen.share
+    return total
+
+
+@outlined
+def _lit_share(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, wo: Vec3,
+    choice, u1, v1, u2, v2, stack,
+) -> np.float32:  # fmt: skip
     """How much of the light that would fall on a white surface does fall on it, by one sample of each kind of light."""
     lights = scene[7]
     everything, arriving = ZERO, ZERO
     for k in range(lights.shape[0]):
         if lights[k]["kind"] != AMBIENT_LIGHT:
-            light = illuminate(lights[k], point.position)
-            from_light = luminance(lit_radiance(bsdf, wo, light))
+            u, v = draw_2d(sampler, first - k)
+            light = sample_light(lights[k], point.position, u, v)
+            from_light = luminance(eval_bsdf(bsdf, wo, light.wi) * light.irradiance)
             if from_light > ZERO:
                 distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
+                seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack)
                 everything = everything + from_light
-                arriving = arriving + from_light * transmittance(scene, accelerator, has_alpha, point, light.wi, distance, stack)
+                arriving = arriving + from_light * luminance(seen.share)
     shine = sample_emitter(scene, lighting, point.position, choice, u1, v1)
     if shine.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, shine.wi) * shine.radiance) / shine.pdf
         if value > ZERO:
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
             everything = everything + value
-            arriving = arriving + value * transmittance(scene, accelerator, has_alpha, point, shine.wi, shine.distance, stack)
+            arriving = arriving + value * luminance(seen.share)
     sky = sample_sky(lighting, u2, v2)
     if sky.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, sky.wi) * sky.radiance) / sky.pdf
         if value > ZERO:
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, sky.wi, _INFINITY, stack)
             everything = everything + value
-            arriving = arriving + value * transmittance(scene, accelerator, has_alpha, point, sky.wi, _INFINITY, stack)
+            arriving = arriving + value * luminance(seen.share)
     ambient = sample_bsdf(bsdf, wo, ZERO, u2, v1)
     level = luminance(ambient_level(lights))
     if level > ZERO and ambient.pdf > ZERO:
+        seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, ambient.wi, _INFINITY, stack)
         everything = everything + level
-        arriving = arriving + level * transmittance(scene, accelerator, has_alpha, point, ambient.wi, _INFINITY, stack)
+        arriving = arriving + level * luminance(seen.share)
     return arriving / everything if everything > ZERO else ONE
 
 
 @kernel
+def _chance_weight(scene, lighting, hit, material, point: SurfacePoint, wo: Vec3, last: Vec3, pdf: np.float32) -> np.float32:
+    """The weight of a shining surface that a path met by chance, which might have been asked from `last`, too."""
+    instances, lights = scene[0], scene[7]
+    cos_theta = dot(point.n, wo)
+    lamp = i64(instances[hit.instance]["lamp"])
+    if lamp > 0:
+        return _balance(pdf, pdf_light(lights[lamp - 1], last, point.position, cos_theta))
+    if hit.triangle < 0:
+        return ONE
+    to_point = point.position - last
+    return _balance(pdf, pdf_emitter(lighting, material, cos_theta, dot(to_point, to_point)))
+
+
+@kernel
 def path_radiance(
-    scene, accelerator, lighting, camera, raster_from_object, background, has_alpha, max_depth, seed, i: int, j: int, sample: int, stack
-):
-    """(radiance, alpha) of one path through pixel (i, j), premultiplied; at most `max_depth` scatterings."""
+    scene, accelerator, lighting, media, camera, raster_from_object, background, rules: Rules, sampler: Sampler, outside: int, moves: bool,
+    i: int, j: int, stack,
+):  # fmt: skip
+    """(radiance, alpha) of one path through pixel (i, j), premultiplied; at most `max_depth` scatterings.
+
+    `outside`: the media that the eye is in; `moves`: whether this is a time of its own.
+    """
     instances, _, _, _, _, _, materials, lights, textures, texels = scene
     header = lighting[0][0]
-    dx, dy = sample_2d(SOBOL, seed, i, j, sample, 0)
+    dx, dy = draw_2d(sampler, 0)
     x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
     ray = view_ray(camera, x, y)
+    has_lens = camera["aperture_radius"] > ZERO
+    if has_lens:
+        u, v = draw_2d(sampler, LENS)
+        ray = lens_ray(camera, x, y, u, v)
     o, d, t_min, t_max = ray.o, ray.d, camera["near"], camera["far"]
     total, throughput = Color(ZERO, ZERO, ZERO), Color(ONE, ONE, ONE)
     alpha, from_camera, untouched = ONE, True, True
-    pdf, by_chance_only, last, scatterings, dimension = ZERO, True, o, 0, 1
+    pdf, by_chance_only, last, scatterings, dimension, light_dimension = ZERO, True, o, 0, 1, _FIRST_LIGHT
+    # Whether only mirrors and glass lie between the path and the eye; and whether the light it looks for now was asked for straight on.
+    as_seen, was_asked, inside = True, False, i64(outside)
     for _ in range(_MAX_SURFACES):
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
+        within = filling(inside, media)
+        if within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO):
+            left = passed(media, within, hit.t * length(d))
+            total = total + throughput * haze_of(media, within) * (Color(ONE, ONE, ONE) - left)
+            throughput = throughput * left
         if hit.instance < 0:
             if untouched:
-                alpha = background[3]
-                total = total + Color(background[0], background[1], background[2]) * background[3]
+                alpha = max(background[3], ONE - max_component(throughput))
+            if untouched or (as_seen and header["sky_present"] == 0):
+                total = total + throughput * Color(background[0], background[1], background[2]) * background[3]
+            if untouched:
                 if header["sky_visible"] != 0:
-                    total, alpha = total + sky_radiance(lighting, normalize(d)), ONE
+                    total, alpha = total + throughput * sky_radiance(lighting, normalize(d)), ONE
             else:
                 wi = normalize(d)
                 weight = ONE if by_chance_only else _balance(pdf, pdf_sky(lighting, wi))
+                if was_asked:
+                    weight = ZERO
                 total = total + throughput * (sky_radiance(lighting, wi) * weight + ambient_level(lights))
             break
-        if from_camera:
-            point = first_hit_point(scene, camera, raster_from_object, hit, x, y)
-            wo = direction_to_eye(camera, point.position)
-        else:
-            point = hit_point(scene, hit, o, d)
+        if not from_camera:
+            point = hit_point(scene, accelerator, hit, o, d)
             wo = normalize(-d)
+        elif has_lens or moves:
+            point = lens_hit_point(scene, accelerator, hit, ray)
+            wo = normalize(-d)
+        else:
+            point = first_hit_point(scene, accelerator, camera, raster_from_object, hit, x, y)
+            wo = direction_to_eye(camera, point.position)
         material = materials[point.material]
         is_front = dot(point.n, wo) >= ZERO
         point = flip_to_front(point, wo)
-        bsdf = resolve(material, point, textures, texels)
-        u1, v1 = sample_2d(SOBOL, seed, i, j, sample, dimension)
-        u2, v2 = sample_2d(SOBOL, seed, i, j, sample, dimension + 1)
-        choice = sample_1d(SOBOL, seed, i, j, sample, dimension + 2)
-        coverage = bsdf.alpha
-        if material["kind"] == SHADOW_CATCHER:
-            # Only the camera's own view has use for it; other light goes through.
-            coverage = ZERO
-            if untouched:
-                coverage = ONE - _lit_share(scene, accelerator, lighting, has_alpha, point, bsdf, wo, choice, u1, v1, u2, v2, stack)
-        if coverage < ONE and sample_1d(SOBOL, seed, i, j, sample, dimension + 5) >= coverage:
-            # Straight on: neither the direction's density nor what is owed to the lights changes.
-            o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
+        if material["kind"] == DIELECTRIC:
+            crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
+            untouched, from_camera, t_min, t_max = False, False, ZERO, _INFINITY
+            if crossing.before == crossing.after:
+                o, inside = off_surface(point, -point.n), crossing.inside
+                dimension += _PER_SURFACE
+                continue
+            if scatterings >= rules.max_depth:
+                break
+            roughness2 = material["roughness"] * material["roughness"]
+            if roughness2 > ZERO:
+                bsdf = resolve(material, point, textures, texels)
+                total = total + throughput * _from_lights(
+                    scene, accelerator, media, inside, rules, sampler, light_dimension, point, bsdf, True, wo, stack
+                )
+            light_dimension -= lights.shape[0]
+            u, v = draw_2d(sampler, dimension)
+            n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
+            ways = meet_interface(material["fresnel"], roughness2, point.n, point.ns, -wo, n_i, n_t, u, v)
+            both = ways.reflectance + ways.transmittance
+            if draw_1d(sampler, dimension + 1) * both < ways.reflectance:
+                o, d = off_surface(point, point.n), ways.reflected
+                throughput = throughput * both
+            else:
+                squeeze = n_i / n_t
+                tint = Color(material["color"][0], material["color"][1], material["color"][2])
+                o, d, inside = off_surface(point, -point.n), ways.transmitted, crossing.inside
+                throughput = throughput * tint * (both * squeeze * squeeze)
+                was_asked = rules.tinted != 0 and not as_seen
+            pdf, by_chance_only, last = ZERO, True, point.position
             dimension += _PER_SURFACE
-            continue
-        if max_component(bsdf.emission) > ZERO and (is_front or material["double_sided"] != 0):
-            weight = ONE
-            if not by_chance_only and not is_analytic(instances[hit.instance]):
-                to_point = point.position - last
-                weight = _balance(pdf, pdf_emitter(lighting, material, dot(point.n, wo), dot(to_point, to_point)))
-            total = total + throughput * bsdf.emission * weight
-        if scatterings >= max_depth or material["kind"] == SHADOW_CATCHER:
-            break
-        total = total + throughput * _direct(scene, accelerator, lighting, has_alpha, point, bsdf, wo, choice, u1, v1, u2, v2, stack)
-        u, v = sample_2d(SOBOL, seed, i, j, sample, dimension + 3)
-        scattered = sample_bsdf(bsdf, wo, sample_1d(SOBOL, seed, i, j, sample, dimension + 4), u, v)
-        if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
-            break
-        throughput = throughput * scattered.value * (ONE / scattered.pdf)
+        else:
+            bsdf = resolve(material, point, textures, texels)
+            u1, v1 = draw_2d(sampler, dimension)
+            u2, v2 = draw_2d(sampler, dimension + 1)
+            choice = draw_1d(sampler, dimension + 2)
+            coverage = bsdf.alpha
+            if material["kind"] == SHADOW_CATCHER:
+                # Only the camera's own view has use for it; other light goes through.
+                coverage = ZERO
+                if untouched:
+                    coverage = ONE - _lit_share(
+                        scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, choice, u1, v1, u2,
+                        v2, stack,
+                    )  # fmt: skip
+            if coverage < ONE and draw_1d(sampler, dimension + 5) >= coverage:
+                # Straight on: neither the direction's density nor what is owed to the lights changes.
+                o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
+                dimension += _PER_SURFACE
+                continue
+            if max_component(bsdf.emission) > ZERO and (is_front or material["double_sided"] != 0) and not was_asked:
+                weight = ONE
+                if not by_chance_only:
+                    weight = _chance_weight(scene, lighting, hit, material, point, wo, last, pdf)
+                total = total + throughput * bsdf.emission * weight
+            if scatterings >= rules.max_depth or material["kind"] == SHADOW_CATCHER:
+                break
+            total = total + throughput * _direct(
+                scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, choice, u1, v1, u2, v2, stack
+            )
+            light_dimension -= lights.shape[0]
+            u, v = draw_2d(sampler, dimension + 3)
+            scattered = sample_bsdf(bsdf, wo, draw_1d(sampler, dimension + 4), u, v)
+            if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
+                break
+            throughput = throughput * scattered.value * (ONE / scattered.pdf)
+            pdf, by_chance_only, last = scattered.pdf, scattered.is_mirror, point.position
+            o, d, t_min, t_max = off_surface(point, point.n), scattered.wi, ZERO, _INFINITY
+            if scattered.is_mirror:
+                if material["mirror_blur"] > ZERO:
+                    d = scatter_in_square(d, point.n, material["mirror_blur"], u, v)
+            else:
+                as_seen, was_asked = False, False
+            from_camera, untouched = False, False
+            dimension += _PER_SURFACE
         scatterings += 1
         if scatterings >= _FIRST_ROULETTE:
             survival = min(max(max_component(throughput), _LEAST_SURVIVAL), ONE)
-            if sample_1d(SOBOL, seed, i, j, sample, dimension + 6) >= survival:
+            if draw_1d(sampler, dimension - 1) >= survival:
                 break
             throughput = throughput * (ONE / survival)
         if max_component(throughput) <= ZERO:
             break
-        pdf, by_chance_only, last = scattered.pdf, scattered.is_mirror, point.position
-        o, d, t_min, t_max = off_surface(point, point.n), scattered.wi, ZERO, _INFINITY
-        from_camera, untouched = False, False
-        dimension += _PER_SURFACE
     return total, alpha

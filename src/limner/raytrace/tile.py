@@ -5,11 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ..accel.walk import exact_tables
+from ..kernel.sampler import draw_1d, draw_2d
+from ..kernel.vec import Vec3
+from .rules import rules_of, sampler_of
+from .start import TIME, media_of_eye, set_instant
 from .whitted import radiance
 
-__all__ = ["trace_tile"]
+__all__ = ["trace_tile", "trace_tile_exact"]
 
 f32 = np.float32
+_HALF = f32(0.5)
 _GRID_STEP = f32(1.0 / 256.0)
 
 
@@ -17,25 +23,43 @@ _GRID_STEP = f32(1.0 / 256.0)
 def trace_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     nodes, primitives, corners, planes,
-    header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object, sample_places,
-    background, has_alpha, shadows, max_depth,
-    pending, stack, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
+    media, instants, moving, cameras, sample_places, background, rule_numbers,
+    pending, waiting, stack, ends, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
-    """Trace some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
+    """Trace some samples of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom.
+
+    `sample_places` is empty where each pixel draws its own.
+    """
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    accelerator = (nodes, primitives, corners, planes)
+    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
     lighting = (header, sky, sky_cumulative, emitters, blurred)
-    camera = camera_table[0]
+    camera, rules, moves = camera_table[0], rules_of(rule_numbers), cameras.shape[0] > 0
+    eye = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])
+    outside = media_of_eye(scene, accelerator, media, camera, eye, stack)
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):
             for s in range(first_sample, last_sample):
-                x = f32(i) + f32(sample_places[s, 0]) * _GRID_STEP
-                y = f32(j) + f32(sample_places[s, 1]) * _GRID_STEP
+                sampler = sampler_of(rules, i, j, s)
+                if moves:
+                    set_instant(instances, camera_table, instants, moving, cameras, draw_1d(sampler, TIME))
+                    eye = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])
+                    outside = media_of_eye(scene, accelerator, media, camera, eye, stack)
+                if sample_places.shape[0] > 0:
+                    x = f32(i) + f32(sample_places[s, 0]) * _GRID_STEP
+                    y = f32(j) + f32(sample_places[s, 1]) * _GRID_STEP
+                else:
+                    dx, dy = draw_2d(sampler, 0)
+                    x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
                 c, alpha = radiance(
-                    scene, accelerator, lighting, camera, raster_from_object, background, has_alpha, shadows, max_depth, x, y, pending,
-                    stack,
+                    scene, accelerator, lighting, media, camera, raster_from_object, background, rules, sampler, outside, moves, x, y,
+                    pending, waiting, stack,
                 )  # fmt: skip
                 film[j, i, 0] += c.r
                 film[j, i, 1] += c.g
                 film[j, i, 2] += c.b
                 film[j, i, 3] += alpha
+
+
+trace_tile_exact = trace_tile
+"""The same, compiled for scenes with exact shapes beside spheres and planes."""

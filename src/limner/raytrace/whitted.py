@@ -1,143 +1,215 @@
-"""Ray tracing as the book tells it (FoCG 4; Whitted 1980): hit, shade, shadow, reflect.
+"""Ray tracing as the book tells it (FoCG 4, 13; Whitted 1980): hit, shade, shadow, reflect, refract.
 
-A ray that meets a mirror or something half transparent goes on as another ray with less to contribute. The rays that wait stand on a
-small stack, so the tree of rays needs no recursion; a ray is followed until it contributes nothing that could be seen, or has been
-reflected `max_depth` times.
+A ray that meets a mirror, glass or something half transparent goes on as other rays with less to contribute. The rays that wait stand on
+a small stack, so the tree of rays needs no recursion; a ray is followed until it contributes nothing that could be seen, or has been
+reflected and refracted `max_depth` times.
+
+Distribution (FoCG 13.4) is a matter of what each of a pixel's samples sees, never of more rays at a hit: every sample is one tree, with
+one point of the lens, one time, and at each hit one point of each light and one facet of what is rough. Which one, a number decides that
+belongs to (seed, pixel, sample, dimension); a hit's dimensions follow from the way in the tree that leads to it.
+
+    node 1            the camera ray's hit
+    node 2k, 2k + 1   where the ray reflected at node k ends, and where the one that goes on behind it does
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .._jit import kernel
-from ..accel.walk import first_hit, occluded
+from .._jit import kernel, outlined
+from ..accel.walk import first_hit
+from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
-from ..shading.analytic import analytic_at, ray_without_view, view_ray
-from ..shading.bsdf import alpha_at, resolve
-from ..shading.lights import ambient_level, ambient_radiance, illuminate, lit_radiance
+from ..shading.analytic import view_ray
+from ..shading.area_lights import has_area, pdf_light, sample_light
+from ..shading.bsdf import eval_bsdf, resolve
+from ..shading.dielectric import meet_interface
+from ..shading.emitters import pdf_emitter, sample_emitter
+from ..shading.glossy import pdf_facets, sample_facets, scatter_in_square, without_facets
+from ..shading.lights import ambient_level, ambient_radiance
+from ..shading.medium import cross_surface, filling, haze_of, passed
+from ..shading.microfacet import eval_ggx
 from ..shading.sky import ambient_from_sky, sky_radiance
-from ..shading.surface import SurfacePoint, barycentrics_of_hit, flip_to_front, surface_at, to_raster
-from ..shading.visible import direction_to_eye, is_analytic, visible_point
-from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SHADOW_CATCHER
+from ..shading.surface import SurfacePoint, flip_to_front
+from ..shading.visible import direction_to_eye
+from ..tables.layouts import AMBIENT_LIGHT, DIELECTRIC, DIRECTIONAL_LIGHT, METALLIC_ROUGHNESS, SHADOW_CATCHER
+from .hit import first_hit_point, hit_point, lens_hit_point
+from .lens import lens_ray
+from .rules import Rules
+from .shadow import transmittance
 from .spawn import off_surface
+from .start import LENS
 
-__all__ = ["MAX_PENDING", "first_hit_point", "hit_point", "radiance", "transmittance"]
+__all__ = ["MAX_PENDING", "PENDING_NUMBERS", "PENDING_WORDS", "radiance"]
 
-f32 = np.float32
+f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
+_HALF = f32(0.5)
 _LEAST_CONTRIBUTION = f32(1.0 / 1024.0)
-_BEFORE_LIGHT = f32(1.0 - 1e-4)
-MAX_PENDING = 32
 _STEP = f32(1e-6)
 _MAX_SURFACES = 256  # that one ray goes through
+_NODES = i64(0x3FFFFFFF)
+
+MAX_PENDING = 64
+"""Rays of one tree that wait."""
+
+PENDING_NUMBERS, PENDING_WORDS = 10, 3
+"""What a waiting ray is: origin, direction, throughput, density as float32; reflections, media and node as int64."""
+
+# Decisions at a hit, after one for each light
+_WHICH_EMITTER, _WHERE_ON_EMITTER, _WHICH_FACET, _DECISIONS = 0, 1, 2, 3
 
 
 @kernel
-def _raster_vertex(positions, mesh, row: int, raster_from_object, instance: int):
-    i = mesh["position"] + row
-    return to_raster(raster_from_object, instance, Vec3(positions[i, 0], positions[i, 1], positions[i, 2]))
+def _balance(a: np.float32, b: np.float32) -> np.float32:
+    """a / (a + b): the balance heuristic (Veach 1997, 9.2.2)."""
+    return a / (a + b) if a + b > ZERO else ZERO
 
 
 @kernel
-def first_hit_point(scene, camera, raster_from_object, hit, x: np.float32, y: np.float32) -> SurfacePoint:
-    """The surface point of a camera ray's hit, from the raster point, by the function that the rasteriser calls."""
-    instances, meshes, positions, triangles, _, _, _, _, _, _ = scene
-    if hit.triangle < 0:
-        return analytic_at(instances[hit.instance], view_ray(camera, x, y), hit.t)
-    mesh = meshes[instances[hit.instance]["mesh"]]
-    row = mesh["triangle"] + hit.triangle
-    v0 = _raster_vertex(positions, mesh, triangles[row, 0], raster_from_object, hit.instance)
-    v1 = _raster_vertex(positions, mesh, triangles[row, 1], raster_from_object, hit.instance)
-    v2 = _raster_vertex(positions, mesh, triangles[row, 2], raster_from_object, hit.instance)
-    return visible_point(scene, camera, hit.instance, hit.triangle, v0, v1, v2, x, y)
+def _is_seen_by_facets(bsdf, wo: Vec3, wi: Vec3, pdf: np.float32) -> Color:
+    """What a light must not count twice: what rays reflected by microfacets find of it."""
+    density = pdf_facets(bsdf, wo, wi)
+    return eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo) * _balance(density, pdf)
 
 
 @kernel
-def hit_point(scene, hit, o: Vec3, d: Vec3) -> SurfacePoint:
-    """The surface point of any other ray's hit."""
-    instances, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
-    instance = instances[hit.instance]
-    if is_analytic(instance):
-        return analytic_at(instance, ray_without_view(o, d), hit.t)
-    w = barycentrics_of_hit(hit.u, hit.v)
-    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], hit.triangle, w)
+def _with_lights(
+    total: Color, scene, accelerator, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf,
+    glossy: bool, points_only: bool, wo: Vec3, stack,
+) -> Color:  # fmt: skip
+    """Radiance and that of every light that is not hidden (FoCG 4.5-4.7, 13.4.2).
 
-
-@kernel
-def transmittance(scene, accelerator, has_alpha, point: SurfacePoint, wi: Vec3, distance: np.float32, stack) -> np.float32:
-    """How much of a light reaches a point: nothing through what is opaque, 1 - alpha through the rest (FoCG 4.7)."""
-    instances, _, _, _, _, _, materials, _, textures, texels = scene
-    o = off_surface(point, point.n) + point.bulge if dot(point.n, wi) >= ZERO else off_surface(point, -point.n)
-    t_max = _INFINITY
-    if distance < _INFINITY:
-        # The origin has moved: aim anew, and stop short of the light, which may be a surface.
-        to_light = point.position + wi * distance - o
-        distance = length(to_light)
-        wi, t_max = normalize(to_light), distance * _BEFORE_LIGHT
-    if occluded(accelerator, instances, o, wi, ZERO, t_max, stack):
-        return ZERO
-    left = ONE
-    if has_alpha == 0:
-        return left
-    for _ in range(_MAX_SURFACES):
-        hit = first_hit(accelerator, instances, o, wi, ZERO, t_max, True, stack)
-        if hit.instance < 0 or left <= ZERO:
-            break
-        point = hit_point(scene, hit, o, wi)
-        left = left * (ONE - alpha_at(materials[point.material], point, textures, texels))
-        t_max = t_max - hit.t
-        o = off_surface(point, point.n if dot(point.n, wi) >= ZERO else -point.n)
-    return left
-
-
-@kernel
-def _local_radiance(scene, accelerator, lighting, has_alpha, shadows, point: SurfacePoint, bsdf, wo: Vec3, stack) -> Color:
-    """Emission, ambient, and every light that is not hidden (FoCG 4.5-4.7)."""
-    _, _, _, _, _, _, _, lights, _, _ = scene
-    total = bsdf.emission + ambient_radiance(lights, bsdf) + ambient_from_sky(lighting, bsdf, wo)
+    `first` is the dimension of the first light. `glossy`: rays reflected by microfacets will look for areas, too; `points_only`: leave
+    areas to other rays altogether.
+    """
+    lights = scene[7]
     for k in range(lights.shape[0]):
-        if lights[k]["kind"] == AMBIENT_LIGHT:
+        is_area = has_area(lights[k])
+        if lights[k]["kind"] == AMBIENT_LIGHT or (is_area and points_only):
             continue
-        light = illuminate(lights[k], point.position)
-        from_light = lit_radiance(bsdf, wo, light)
+        u, v = _HALF, _HALF
+        if is_area:
+            u, v = draw_2d(sampler, first + k)
+        light = sample_light(lights[k], point.position, u, v)
+        value = eval_bsdf(bsdf, wo, light.wi)
+        if glossy and is_area and lights[k]["visible"] != 0 and light.pdf > ZERO:
+            value = value - _is_seen_by_facets(bsdf, wo, light.wi, light.pdf)
+        from_light = value * light.irradiance
         if max_component(from_light) > ZERO:
-            if shadows != 0:
+            if rules.shadows != 0:
                 distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
-                seen = transmittance(scene, accelerator, has_alpha, point, light.wi, distance, stack)
-                from_light = from_light * seen
+                seen = transmittance(
+                    scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack
+                )
+                from_light = from_light * seen.share
             total = total + from_light
     return total
 
 
+@outlined
+def _emitters_radiance(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, glossy: bool,
+    wo: Vec3, stack,
+) -> Color:  # fmt: skip
+    """Light from one point of all surfaces that shine."""
+    u, v = draw_2d(sampler, first + _WHERE_ON_EMITTER)
+    shine = sample_emitter(scene, lighting, point.position, draw_1d(sampler, first + _WHICH_EMITTER), u, v)
+    if shine.pdf <= ZERO:
+        return Color(ZERO, ZERO, ZERO)
+    value = eval_bsdf(bsdf, wo, shine.wi)
+    if glossy:
+        value = value - _is_seen_by_facets(bsdf, wo, shine.wi, shine.pdf)
+    value = value * shine.radiance * (ONE / shine.pdf)
+    if rules.shadows != 0 and max_component(value) > ZERO:
+        seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
+        value = value * seen.share
+    return value
+
+
 @kernel
-def _lit_share(scene, accelerator, lighting, has_alpha, shadows, point: SurfacePoint, bsdf, wo: Vec3, stack) -> np.float32:
+def _local_radiance(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, shown: Color,
+    glossy: bool, wo: Vec3, stack,
+) -> Color:  # fmt: skip
+    """What is shown anyway, ambient light, the sky, every light and what shines."""
+    lights = scene[7]
+    spread = bsdf
+    if glossy:
+        spread = without_facets(bsdf)
+    total = shown + ambient_radiance(lights, spread) + ambient_from_sky(lighting, spread, wo)
+    total = _with_lights(
+        total, scene, accelerator, media, inside, rules, sampler, first, point, bsdf, glossy, False, wo, stack
+    )
+    if rules.emitters != 0:
+        total = total + _emitters_radiance(
+            scene, accelerator, lighting, media, inside, rules, sampler, first + lights.shape[0], point, bsdf, glossy, wo, stack
+        )
+    return total
+
+
+@outlined
+def _lit_share(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, wo: Vec3, stack
+) -> np.float32:
     """How much of the light that would fall on a white surface does fall on it: what a shadow catcher lets through."""
     lights = scene[7]
     base = luminance(ambient_level(lights) + ambient_from_sky(lighting, bsdf, wo))
     everything, arriving = base, base
     for k in range(lights.shape[0]):
         if lights[k]["kind"] != AMBIENT_LIGHT:
-            light = illuminate(lights[k], point.position)
-            from_light = luminance(lit_radiance(bsdf, wo, light))
+            u, v = draw_2d(sampler, first + k)
+            light = sample_light(lights[k], point.position, u, v)
+            from_light = luminance(eval_bsdf(bsdf, wo, light.wi) * light.irradiance)
             if from_light > ZERO:
                 distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
                 everything = everything + from_light
-                if shadows != 0:
-                    from_light = from_light * transmittance(scene, accelerator, has_alpha, point, light.wi, distance, stack)
+                if rules.shadows != 0:
+                    seen = transmittance(
+                        scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack
+                    )
+                    from_light = from_light * luminance(seen.share)
                 arriving = arriving + from_light
     return arriving / everything if everything > ZERO else ONE
 
 
 @kernel
-def _push(pending, top: int, o: Vec3, d: Vec3, throughput: Color, reflections: int) -> int:
+def _push(
+    pending, waiting, top: int, o: Vec3, d: Vec3, throughput: Color, pdf: np.float32, reflections: int, inside: int, node: int
+) -> int:
     """Let a ray wait, if it matters and there is room."""
     if top >= MAX_PENDING or max_component(throughput) < _LEAST_CONTRIBUTION:
         return top
     pending[top, 0], pending[top, 1], pending[top, 2] = o.x, o.y, o.z
     pending[top, 3], pending[top, 4], pending[top, 5] = d.x, d.y, d.z
     pending[top, 6], pending[top, 7], pending[top, 8] = throughput.r, throughput.g, throughput.b
-    pending[top, 9] = f32(reflections)
+    pending[top, 9] = pdf
+    waiting[top, 0], waiting[top, 1], waiting[top, 2] = reflections, inside, node
     return top + 1
+
+
+@outlined
+def _push_both(
+    pending, waiting, top: int, media, material, sampler: Sampler, first: int, point: SurfacePoint, d: Vec3, throughput: Color, crossing,
+    reflections: int, inside: int, node: int,
+) -> int:  # fmt: skip
+    """Let the rays wait that leave the surface of a dielectric: the reflected one, and the refracted one."""
+    roughness2 = material["roughness"] * material["roughness"]
+    u, v = _HALF, _HALF
+    if roughness2 > ZERO:
+        u, v = draw_2d(sampler, first + _WHICH_FACET)
+    n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
+    ways = meet_interface(material["fresnel"], roughness2, point.n, point.ns, normalize(d), n_i, n_t, u, v)
+    tint = Color(material["color"][0], material["color"][1], material["color"][2])
+    squeeze = n_i / n_t
+    above, below = off_surface(point, point.n), off_surface(point, -point.n)
+    top = _push(
+        pending, waiting, top, above, ways.reflected, throughput * ways.reflectance, ZERO, reflections + 1, inside, (2 * node) & _NODES
+    )
+    through = throughput * tint * (ways.transmittance * squeeze * squeeze)
+    return _push(
+        pending, waiting, top, below, ways.transmitted, through, ZERO, reflections + 1, crossing.inside, (2 * node + 1) & _NODES
+    )
 
 
 @kernel
@@ -153,55 +225,138 @@ def _behind(lighting, background, straight: bool, d: Vec3):
 
 
 @kernel
+def _shown(scene, lighting, rules: Rules, hit, material, point: SurfacePoint, bsdf, is_front: bool, pdf: np.float32, o: Vec3, wo) -> Color:
+    """What a surface itself gives off: of what lights ask for themselves, a ray reflected by microfacets from o counts its share."""
+    instances, lights = scene[0], scene[7]
+    lamp = np.int64(instances[hit.instance]["lamp"])
+    if lamp > 0:
+        if not is_front:
+            return Color(ZERO, ZERO, ZERO)
+        if pdf > ZERO:
+            return bsdf.emission * _balance(pdf, pdf_light(lights[lamp - 1], o, point.position, dot(point.n, wo)))
+        return bsdf.emission
+    if pdf > ZERO and rules.emitters != 0 and hit.triangle >= 0:
+        to_point = point.position - o
+        return bsdf.emission * _balance(pdf, pdf_emitter(lighting, material, dot(point.n, wo), dot(to_point, to_point)))
+    return bsdf.emission
+
+
+@kernel
 def radiance(
-    scene, accelerator, lighting, camera, raster_from_object, background, has_alpha, shadows, max_depth, x: np.float32, y: np.float32,
-    pending, stack,
+    scene, accelerator, lighting, media, camera, raster_from_object, background, rules: Rules, sampler: Sampler, outside: int, moves: bool,
+    x: np.float32, y: np.float32, pending, waiting, stack,
 ):  # fmt: skip
-    """(radiance, alpha) at raster point (x, y), premultiplied; `pending` (MAX_PENDING, 10) and `stack` are scratch memory."""
-    instances, _, _, _, _, _, materials, _, textures, texels = scene
+    """(radiance, alpha) at raster point (x, y), premultiplied.
+
+    `outside`: the media that the eye is in; `moves`: whether this is a time of its own. `pending` (MAX_PENDING, PENDING_NUMBERS) float32,
+    `waiting` (MAX_PENDING, PENDING_WORDS) int64 and `stack` are scratch memory.
+    """
+    instances, _, _, _, _, _, materials, lights, textures, texels = scene
     total, clear, alpha_behind = Color(ZERO, ZERO, ZERO), ONE, ZERO
     ray = view_ray(camera, x, y)
+    has_lens = camera["aperture_radius"] > ZERO
+    if has_lens:
+        u, v = draw_2d(sampler, LENS)
+        ray = lens_ray(camera, x, y, u, v)
+    by_raster = not has_lens and not moves
     o, d, throughput, reflections = ray.o, ray.d, Color(ONE, ONE, ONE), 0
-    t_min, t_max = camera["near"], camera["far"]
+    t_min, t_max, t_done = camera["near"], camera["far"], ZERO
+    inside, node, pdf = i64(outside), i64(1), ZERO
     straight, top = True, 0
+    per_node = lights.shape[0] + _DECISIONS
     for _ in range(_MAX_SURFACES):
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not straight, stack)
+        within, left = filling(inside, media), Color(ONE, ONE, ONE)
+        if within > 0 or media[0]["attenuation"][0] > ZERO:
+            left = passed(media, within, (hit.t - t_done) * length(d))
+            total = total + throughput * haze_of(media, within) * (Color(ONE, ONE, ONE) - left)
+            throughput = throughput * left
         if hit.instance < 0:
             c, alpha = _behind(lighting, background, straight, d)
+            if pdf > ZERO:
+                c = c + ambient_level(lights)
             total = total + throughput * c
             if straight:
-                alpha_behind = alpha
+                alpha_behind = max(alpha, ONE - max_component(left))
         else:
-            if straight:
-                point = first_hit_point(scene, camera, raster_from_object, hit, x, y)
+            if not straight:
+                point = hit_point(scene, accelerator, hit, o, d)
+                wo = normalize(-d)
+            elif by_raster:
+                point = first_hit_point(scene, accelerator, camera, raster_from_object, hit, x, y)
                 wo = direction_to_eye(camera, point.position)
             else:
-                point = hit_point(scene, hit, o, d)
+                point = lens_hit_point(scene, accelerator, hit, ray)
                 wo = normalize(-d)
+            is_front = dot(point.n, wo) >= ZERO
             point = flip_to_front(point, wo)
-            bsdf = resolve(materials[point.material], point, textures, texels)
-            alpha = bsdf.alpha
-            if materials[point.material]["kind"] == SHADOW_CATCHER:
-                alpha = ONE - _lit_share(scene, accelerator, lighting, has_alpha, shadows, point, bsdf, wo, stack)
-            elif bsdf.alpha > ZERO:
-                local = _local_radiance(scene, accelerator, lighting, has_alpha, shadows, point, bsdf, wo, stack)
-                total = total + throughput * local * bsdf.alpha
-            if straight:
-                clear = clear * (ONE - alpha)
-            if reflections < max_depth:
-                r = reflect(normalize(d), bsdf.ns)
-                if dot(r, point.n) > ZERO:
-                    start = off_surface(point, point.n)
-                    top = _push(pending, top, start, r, throughput * bsdf.mirror * bsdf.alpha, reflections + 1)
-            if alpha < ONE:
-                # What lies behind comes next, so that `straight` holds until the first ray is at its end. A ray of the camera
-                # keeps its origin, for what it meets is looked up by the raster point.
-                throughput = throughput * (ONE - alpha)
+            material = materials[point.material]
+            first = node * per_node
+            if material["kind"] == DIELECTRIC:
+                crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
                 if straight:
-                    t_min = hit.t + abs(hit.t) * _STEP
-                else:
-                    o, t_max = off_surface(point, -point.n), t_max - hit.t
-                continue
+                    clear = ZERO
+                straight, pdf = False, ZERO
+                if crossing.before == crossing.after:
+                    node = (2 * node + 1) & _NODES
+                    o, inside, t_min, t_max, t_done = off_surface(point, -point.n), crossing.inside, ZERO, _INFINITY, ZERO
+                    continue
+                if material["roughness"] > ZERO:
+                    bsdf = resolve(material, point, textures, texels)
+                    local = Color(ZERO, ZERO, ZERO)
+                    total = total + throughput * _with_lights(
+                        local, scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, True, wo, stack
+                    )
+                if reflections < rules.max_depth:
+                    top = _push_both(
+                        pending, waiting, top, media, material, sampler, first + lights.shape[0], point, d, throughput, crossing,
+                        reflections, inside, node,
+                    )  # fmt: skip
+            else:
+                bsdf = resolve(material, point, textures, texels)
+                alpha = bsdf.alpha
+                goes_on = reflections < rules.max_depth
+                glossy = rules.glossy != 0 and goes_on and material["kind"] == METALLIC_ROUGHNESS and max_component(bsdf.f0) > ZERO
+                if material["kind"] == SHADOW_CATCHER:
+                    alpha = ONE - _lit_share(
+                        scene, accelerator, lighting, media, inside, rules, sampler, first, point, bsdf, wo, stack
+                    )
+                elif bsdf.alpha > ZERO:
+                    shown = _shown(scene, lighting, rules, hit, material, point, bsdf, is_front, pdf, o, wo)
+                    local = _local_radiance(
+                        scene, accelerator, lighting, media, inside, rules, sampler, first, point, bsdf, shown, glossy, wo, stack
+                    )
+                    total = total + throughput * local * bsdf.alpha
+                if straight:
+                    clear = clear * (ONE - alpha)
+                if goes_on and max_component(bsdf.mirror) > ZERO:
+                    r = reflect(normalize(d), bsdf.ns)
+                    if dot(r, point.n) > ZERO:
+                        if material["mirror_blur"] > ZERO:
+                            u, v = draw_2d(sampler, first + lights.shape[0] + _WHICH_FACET)
+                            r = scatter_in_square(r, point.n, material["mirror_blur"], u, v)
+                        top = _push(
+                            pending, waiting, top, off_surface(point, point.n), r, throughput * bsdf.mirror * bsdf.alpha, ZERO,
+                            reflections + 1, inside, (2 * node) & _NODES,
+                        )  # fmt: skip
+                if glossy:
+                    u, v = draw_2d(sampler, first + lights.shape[0] + _WHICH_FACET)
+                    facet = sample_facets(bsdf, wo, u, v)
+                    if facet.pdf > ZERO and dot(facet.wi, point.n) > ZERO:
+                        top = _push(
+                            pending, waiting, top, off_surface(point, point.n), facet.wi, throughput * facet.weight * bsdf.alpha, facet.pdf,
+                            reflections + 1, inside, (2 * node) & _NODES,
+                        )  # fmt: skip
+                if alpha < ONE:
+                    # What lies behind comes next, so that `straight` holds until the first ray is at its end. A ray of the camera
+                    # keeps its origin, for what it meets is looked up by the raster point.
+                    throughput = throughput * (ONE - alpha)
+                    node = (2 * node + 1) & _NODES
+                    if straight:
+                        t_min, t_done = hit.t + abs(hit.t) * _STEP, hit.t
+                    else:
+                        o, t_max = off_surface(point, -point.n), t_max - hit.t
+                    continue
         straight = False
         if top == 0:
             break
@@ -209,6 +364,6 @@ def radiance(
         o = Vec3(pending[top, 0], pending[top, 1], pending[top, 2])
         d = Vec3(pending[top, 3], pending[top, 4], pending[top, 5])
         throughput = Color(pending[top, 6], pending[top, 7], pending[top, 8])
-        reflections = int(pending[top, 9])
-        t_min, t_max = ZERO, _INFINITY
+        pdf, reflections, inside, node = pending[top, 9], waiting[top, 0], waiting[top, 1], waiting[top, 2]
+        t_min, t_max, t_done = ZERO, _INFINITY, ZERO
     return total, (ONE - clear) + clear * alpha_behind

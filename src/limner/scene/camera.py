@@ -1,6 +1,7 @@
 """Cameras (FoCG 7): where the eye stands, what it sees, and how that is thrown on the picture.
 
     camera = limner.Camera.look_at(eye=(3, 2, 5), target=(0, 0, 0), yfov_degrees=35)
+    camera = limner.Camera.look_at(eye, target, focal_length_mm=85, f_number=1.8)         # a lens, in focus at the target
     camera = limner.Camera.orbit(target=(0, 0, 0), distance=6, azimuth_degrees=30, elevation_degrees=20, focal_length_mm=50)
     camera = limner.Camera.from_opencv(K, world_to_camera, width, height)
     xy, depth = camera.project(points, width, height)
@@ -17,7 +18,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Self, TypeAlias
 
@@ -31,6 +32,7 @@ from ..linear.inverse import inverse_rigid
 from ..linear.project import Lens, intrinsics, lens_from_intrinsics, pixels_from_world, world_from_pixels
 from ..linear.projection import camera_from_world
 from ._values import finite, matrix4, positive, triple
+from .motion import Motion
 
 __all__ = ["Camera", "OrthographicCamera", "PerspectiveCamera"]
 
@@ -78,6 +80,7 @@ class _Placed(ABC):
     shift_y: float
     pixel_aspect: float
     name: str
+    motion: Motion | None
 
     def _check(self) -> None:
         matrix = matrix4(self.world_from_camera, "camera.world_from_camera")
@@ -93,6 +96,18 @@ class _Placed(ABC):
                 object.__setattr__(self, name, check(value, f"camera.{name}"))
         if self.near is not None and self.far is not None and not self.near < self.far:
             raise SceneError(f"camera.near must be less than camera.far, got {self.near} and {self.far}", self.name)
+        if isinstance(self.motion, Mapping):
+            object.__setattr__(self, "motion", Motion(**self.motion))
+        if self.motion is not None and not isinstance(self.motion, Motion):
+            raise SceneError(f"camera.motion must be a Motion, got {type(self.motion).__name__}", self.name)
+
+    def place(self, time: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Where it stands at a time, (4, 4) float64, or at k times, (k, 4, 4) if it moves."""
+        return self.world_from_camera if self.motion is None else self.world_from_camera @ self.motion.at(time)
+
+    def standing(self, time: float = 0.0) -> Self:
+        """The camera as it stands at a time; itself where it does not move."""
+        return self if self.motion is None else self.replace(world_from_camera=self.place(time), motion=None)
 
     @classmethod
     def _from(cls, world_from_camera: NDArray[np.float64], fields: dict[str, Any]) -> Self:
@@ -107,11 +122,12 @@ class _Placed(ABC):
         eye, target, up : (3,) floats
         **fields
             Any other field of the camera; a perspective camera also takes what says its field of view in other words:
-            `focal_length_mm` (with `sensor_height_mm`, 24 where it is not said), or `xfov_degrees` with `aspect`.
+            `focal_length_mm` (with `sensor_height_mm`, 24 where it is not said), or `xfov_degrees` with `aspect`; and the opening of
+            its lens as `f_number`, with `focal_length_mm`. It is in focus at the target, unless `focus_distance` says otherwise.
 
         **Source**: FoCG 7.1.3.
         """
-        return cls._from(_look_at(eye, target, up), fields)
+        return cls._from(_look_at(eye, target, up), _with_focus(fields, float(np.linalg.norm(np.subtract(target, eye)))))
 
     @classmethod
     def orbit(cls, target: Any, distance: float, azimuth_degrees: float = 0.0, elevation_degrees: float = 0.0, **fields: Any) -> Self:
@@ -133,7 +149,7 @@ class _Placed(ABC):
         >>> PerspectiveCamera.orbit((0, 1, 0), 2.0, azimuth_degrees=90).world_from_camera[:3, 3].round(12).tolist()
         [2.0, 1.0, 0.0]
         """
-        return cls._from(_orbit(target, distance, azimuth_degrees, elevation_degrees), fields)
+        return cls._from(_orbit(target, distance, azimuth_degrees, elevation_degrees), _with_focus(fields, distance))
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with the given fields changed."""
@@ -244,7 +260,7 @@ class _Placed(ABC):
 
 @dataclass(frozen=True, eq=False)
 class PerspectiveCamera(_Placed):
-    """A pinhole camera.
+    """A pinhole camera, or one with a thin lens.
 
     Parameters
     ----------
@@ -260,6 +276,14 @@ class PerspectiveCamera(_Placed):
         the left or lower side. As the rise of a view camera, it shows more above without tilting the verticals.
     pixel_aspect : float > 0
         Width / height of a pixel.
+    motion : Motion, optional
+        How it moves, in its own space.
+    aperture_radius : float >= 0, optional
+        Of the opening of the lens, metres (FoCG 13.4.3); None or 0: a pinhole, to which everything is sharp. For `ray` and `path`.
+    focus_distance : float > 0, optional
+        Along the gaze to the plane that is in focus; needed where there is a lens.
+    blades : int >= 3, optional
+        Of the iris: the opening is a polygon of so many corners, the first one on top. None: a circle.
     """
 
     world_from_camera: NDArray[np.float64] = field(default_factory=_identity)
@@ -271,9 +295,14 @@ class PerspectiveCamera(_Placed):
     shift_x: float = 0.0
     shift_y: float = 0.0
     pixel_aspect: float = 1.0
+    motion: Motion | None = None
+    aperture_radius: float | None = None
+    focus_distance: float | None = None
+    blades: int | None = None
 
     def __post_init__(self) -> None:
         self._check()
+        _check_opening(self)
         yfov = finite(self.yfov_degrees, "camera.yfov_degrees")
         if not 0.0 < yfov < 180.0:
             raise SceneError(f"camera.yfov_degrees must lie between 0 and 180, got {yfov}", self.name)
@@ -448,6 +477,8 @@ class OrthographicCamera(_Placed):
         Move the window over the picture plane, right and up, in half widths and half heights of the picture.
     pixel_aspect : float > 0
         Width / height of a pixel.
+    motion : Motion, optional
+        How it moves, in its own space.
     """
 
     world_from_camera: NDArray[np.float64] = field(default_factory=_identity)
@@ -459,6 +490,7 @@ class OrthographicCamera(_Placed):
     shift_x: float = 0.0
     shift_y: float = 0.0
     pixel_aspect: float = 1.0
+    motion: Motion | None = None
 
     def __post_init__(self) -> None:
         self._check()
@@ -476,9 +508,41 @@ def _lens_fields(lens: Lens) -> dict[str, float]:
     }  # fmt: skip
 
 
+def _check_opening(camera: PerspectiveCamera) -> None:
+    if camera.aperture_radius is not None:
+        radius = finite(camera.aperture_radius, "camera.aperture_radius")
+        if radius < 0.0:
+            raise SceneError(f"camera.aperture_radius must not be negative, got {radius}", camera.name)
+        object.__setattr__(camera, "aperture_radius", radius)
+        if radius > 0.0 and camera.focus_distance is None:
+            raise SceneError("a camera with an aperture_radius needs a focus_distance", camera.name)
+    if camera.focus_distance is not None:
+        distance = finite(camera.focus_distance, "camera.focus_distance")
+        if distance <= 0.0:
+            raise SceneError(f"camera.focus_distance must be positive, got {distance}: the focus lies behind the camera", camera.name)
+        object.__setattr__(camera, "focus_distance", distance)
+    blades = camera.blades
+    if blades is not None and (isinstance(blades, bool) or not isinstance(blades, int) or not 3 <= blades <= 1000):
+        raise SceneError(f"camera.blades must be an integer from 3 to 1000, got {blades!r}", camera.name)
+
+
+def _with_focus(fields: dict[str, Any], distance: float) -> dict[str, Any]:
+    """The fields with the lens in focus at what the camera looks at, where there is a lens and nobody says otherwise."""
+    has_lens = fields.get("aperture_radius") is not None or fields.get("f_number") is not None
+    return {**fields, "focus_distance": distance} if has_lens and fields.get("focus_distance") is None else fields
+
+
 def _with_yfov(fields: dict[str, Any]) -> dict[str, Any]:
-    """The fields with the field of view, however it was said, as `yfov_degrees`."""
+    """The fields with the field of view, however it was said, as `yfov_degrees`, and the opening as `aperture_radius`."""
     fields = dict(fields)
+    f_number = fields.pop("f_number", None)
+    if f_number is not None:
+        if fields.get("focal_length_mm") is None:
+            raise SceneError("f_number needs focal_length_mm")
+        if fields.get("aperture_radius") is not None:
+            raise SceneError("the opening must be said once, got f_number and aperture_radius")
+        diameter_mm = positive(fields["focal_length_mm"], "focal_length_mm") / positive(f_number, "f_number")
+        fields["aperture_radius"] = diameter_mm / 2000.0
     said = [name for name in ("yfov_degrees", "xfov_degrees", "focal_length_mm") if fields.get(name) is not None]
     if len(said) > 1:
         raise SceneError(f"the field of view must be said once, got {' and '.join(said)}")

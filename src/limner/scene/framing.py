@@ -163,7 +163,7 @@ def extent_points(scene: Scene) -> Matrix:
             low, high = geometry.bounds
             local = low + (high - low) * (_CUBE + 0.5)
         else:
-            continue
+            local = geometry.hull
         found.append(transform.transform_points(placed.world_from_object, local))
     return np.concatenate(found)
 

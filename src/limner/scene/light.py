@@ -1,7 +1,10 @@
 """Lights (FoCG 4.5-4.7; KHR_lights_punctual).
 
-Their numbers are taken as they stand: candela for points and spots, lux for directions, with factor 1. A light shines along
-the -z of its node and stands at the node's origin; a node's scale does not change it.
+Their numbers are taken as they stand: candela for points and spots, lux for directions, nit for areas, with factor 1. A light shines
+along the -z of its node and stands at the node's origin; a node's scale does not change it.
+
+Lights with an area cast soft shadows (FoCG 13.4.2) in `ray` and `path`, where each is asked at a point of its own for every sample;
+`raster` takes them for points. They are seen, in mirrors, too, as surfaces of one radiance, unless they are invisible.
 """
 
 from __future__ import annotations
@@ -13,7 +16,10 @@ from typing import Literal, TypeAlias
 from ..errors import SceneError
 from ._values import Triple, finite, positive, triple
 
-__all__ = ["AmbientLight", "DirectionalLight", "Falloff", "Light", "PointLight", "SpotLight"]
+__all__ = [
+    "AmbientLight", "AreaLight", "DirectionalLight", "DiskLight", "Falloff", "Light", "PointLight", "RectangleLight", "SphereLight",
+    "SpotLight",
+]  # fmt: skip
 
 Falloff = Literal["inverse_square", "none"]
 
@@ -123,4 +129,77 @@ class AmbientLight:
         _check(self)
 
 
-Light: TypeAlias = PointLight | DirectionalLight | SpotLight | AmbientLight
+@dataclass(frozen=True)
+class RectangleLight:
+    """A rectangle that shines to its front, the node's -z, alike from everywhere and in all directions.
+
+    Parameters
+    ----------
+    color : three floats >= 0
+    intensity : float >= 0
+        Nit: its radiance is ``color intensity``; seen straight from the front, from afar, it is ``intensity width height`` candela.
+    width, height : float > 0
+        Along the node's x and y, metres.
+    visible : bool
+        Whether it is seen. An invisible one is not in the way of other light either.
+    """
+
+    color: Triple = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    width: float = 1.0
+    height: float = 1.0
+    visible: bool = True
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self)
+        object.__setattr__(self, "width", positive(self.width, "light.width"))
+        object.__setattr__(self, "height", positive(self.height, "light.height"))
+
+
+@dataclass(frozen=True)
+class DiskLight:
+    """A disk that shines to its front, the node's -z.
+
+    Parameters
+    ----------
+    color, intensity, visible
+        As of `RectangleLight`.
+    radius : float > 0
+    """
+
+    color: Triple = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    radius: float = 0.5
+    visible: bool = True
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self)
+        object.__setattr__(self, "radius", positive(self.radius, "light.radius"))
+
+
+@dataclass(frozen=True)
+class SphereLight:
+    """A sphere that shines outwards, in all directions.
+
+    Parameters
+    ----------
+    color, intensity, visible
+        As of `RectangleLight`.
+    radius : float > 0
+    """
+
+    color: Triple = (1.0, 1.0, 1.0)
+    intensity: float = 1.0
+    radius: float = 0.5
+    visible: bool = True
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check(self)
+        object.__setattr__(self, "radius", positive(self.radius, "light.radius"))
+
+
+AreaLight: TypeAlias = RectangleLight | DiskLight | SphereLight
+Light: TypeAlias = PointLight | DirectionalLight | SpotLight | AmbientLight | RectangleLight | DiskLight | SphereLight

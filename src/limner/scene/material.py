@@ -6,14 +6,15 @@ A surface receives irradiance E; the book's intensity I is E/pi, so that its for
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from ..errors import SceneError
-from ._values import Triple, finite, triple, unit_interval
+from ._values import Triple, finite, positive, triple, unit_interval
 from .texture import Texture
 
-__all__ = ["AlphaMode", "BlinnPhong", "Lambert", "Material", "MetallicRoughness", "ShadowCatcher"]
+__all__ = ["AlphaMode", "BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "Material", "MetallicRoughness", "ShadowCatcher"]
 
 AlphaMode = Literal["opaque", "mask", "blend"]
 
@@ -84,6 +85,9 @@ class BlinnPhong:
         ka; None: the diffuse coefficient, texture and all.
     mirror : three floats >= 0
         km: what an ideal reflection is multiplied by.
+    mirror_blur : float >= 0, optional
+        The width a of the square over which reflected rays are scattered (FoCG 13.4.4): at distance 1 along the mirrored ray, at right
+        angles to it. 0.1 smears a reflection over about 6 degrees. None: an ideal mirror. For `ray` and `path`.
     highlight : "blinn" | "phong"
         (n.h)^p with the half vector (FoCG 4.5.2), or (r.e)^p with the reflected light (FoCG 10.2.1).
     normalized : bool
@@ -109,10 +113,13 @@ class BlinnPhong:
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     name: str = ""
+    mirror_blur: float | None = None
 
     def __post_init__(self) -> None:
         for field in ("diffuse", "specular", "mirror", "emission"):
             _put_color(self, field)
+        if self.mirror_blur is not None:
+            _put_number(self, "mirror_blur", 0.0, 2.0)
         if self.ambient is not None:
             _put_color(self, "ambient")
         _put_number(self, "exponent", 0.0, 1e6)
@@ -184,4 +191,122 @@ class ShadowCatcher:
     double_sided: ClassVar[bool] = True
 
 
-Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness | ShadowCatcher
+@dataclass(frozen=True)
+class Dielectric:
+    """Glass, water, ice, fog in a box: what light goes through and is bent by (FoCG 13.1).
+
+    The surfaces of the shape are where the material begins and ends, so the shape must be closed: light that meets a surface from its
+    front enters, light that meets it from its back leaves. Shapes may stand inside one another (a bubble is a ball of `ior` 1 in glass),
+    and may overlap: where they do, the material of the highest `priority` fills the place, and among equals the one entered last. So
+    that a glass and the water in it touch without a gap, let the water reach into the glass and give the glass the higher priority.
+
+    Parameters
+    ----------
+    ior : float > 0
+        Index of refraction against air: water 1.33, glass 1.5, diamond 2.42; 1 bends nothing.
+    tint : three floats in [0, 1]
+        What light is multiplied by whenever it passes a surface.
+    absorption : three floats >= 0
+        Per metre: ``exp(-absorption d)`` is left of light after d metres (Beer's law). See `with_color_at`.
+    haze : three floats >= 0
+        The radiance of the medium itself where it is so thick that nothing else is seen: with `absorption`, fog that fills the shape.
+    roughness : float in [0, 1]
+        0: polished; else frosted, by GGX microfacets of width roughness squared.
+    fresnel : "exact" | "schlick"
+        How much is reflected: by Fresnel's equations, or by Schlick's approximation to them.
+    priority : int
+        Who fills the place where two overlap.
+
+    `ray` and `path` follow light through it; `raster`, which cannot, draws it as a thin veil.
+    """
+
+    ior: float = 1.5
+    tint: Triple = (1.0, 1.0, 1.0)
+    absorption: Triple = (0.0, 0.0, 0.0)
+    haze: Triple = (0.0, 0.0, 0.0)
+    roughness: float = 0.0
+    fresnel: Literal["exact", "schlick"] = "exact"
+    priority: int = 0
+    name: str = ""
+
+    emission: ClassVar[Triple] = (0.0, 0.0, 0.0)
+    alpha: ClassVar[float] = 0.25
+    alpha_mode: ClassVar[AlphaMode] = "blend"
+    alpha_cutoff: ClassVar[float] = 0.5
+    double_sided: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "ior", positive(self.ior, "material.ior"))
+        for field in ("tint", "absorption", "haze"):
+            _put_color(self, field)
+        if max(self.tint) > 1.0:
+            raise SceneError(f"material.tint must lie in [0, 1], got {self.tint}", self.name)
+        object.__setattr__(self, "roughness", unit_interval(self.roughness, "material.roughness"))
+        if self.fresnel not in ("exact", "schlick"):
+            raise SceneError(f'material.fresnel must be "exact" or "schlick", got {self.fresnel!r}', self.name)
+        if isinstance(self.priority, bool) or not isinstance(self.priority, int) or abs(self.priority) > 1 << 24:
+            raise SceneError(f"material.priority must be an integer up to 2^24, got {self.priority!r}", self.name)
+
+    @classmethod
+    def with_color_at(cls, color: Any, depth: float, **fields: Any) -> Dielectric:
+        """Choose the absorption so that white light has the given color after `depth` metres.
+
+        Parameters
+        ----------
+        color : three floats in (0, 1]
+        depth : float > 0
+        **fields
+            Any other field.
+
+        >>> [round(a, 3) for a in Dielectric.with_color_at((1.0, 0.5, 0.25), 2.0).absorption]
+        [0.0, 0.347, 0.693]
+
+        **Source**: Beer's law, I = I_0 exp(-a d), for a.
+        """
+        left, d = triple(color, "color"), positive(depth, "depth")
+        if not all(0.0 < c <= 1.0 for c in left):
+            raise SceneError(f"color must lie in (0, 1], got {left}")
+        return cls(absorption=tuple(abs(math.log(c)) / d for c in left), **fields)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class CoolToWarm:
+    """Shading as in technical drawings (FoCG 10.3.2; Gooch et al. 1998): warm where a surface faces the light, cool where it looks away.
+
+    ``c = k_w warm + (1 - k_w) cool`` with ``k_w = (1 + n.l) / 2``: no part is lost in the dark, whatever the lights of the scene.
+
+    Parameters
+    ----------
+    cool, warm : three floats >= 0
+        Radiance, linear Rec. 709.
+    towards : three floats, optional
+        The direction l to the light, in the world. None: to the upper left of the picture, at right angles to the gaze, where the whole
+        range from cool to warm is seen.
+    double_sided : bool
+        False: the camera does not see its back.
+
+    In `path` it shines with what it shows, as an unlit surface does.
+    """
+
+    cool: Triple = (0.10, 0.16, 0.42)
+    warm: Triple = (0.95, 0.72, 0.38)
+    towards: Triple | None = None
+    double_sided: bool = True
+    name: str = ""
+
+    emission: ClassVar[Triple] = (0.0, 0.0, 0.0)
+    alpha: ClassVar[float] = 1.0
+    alpha_mode: ClassVar[AlphaMode] = "opaque"
+    alpha_cutoff: ClassVar[float] = 0.5
+
+    def __post_init__(self) -> None:
+        _put_color(self, "cool")
+        _put_color(self, "warm")
+        if self.towards is not None:
+            towards = triple(self.towards, "material.towards")
+            if not any(towards):
+                raise SceneError("material.towards must not be zero", self.name)
+            object.__setattr__(self, "towards", towards)
+
+
+Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness | ShadowCatcher | Dielectric | CoolToWarm

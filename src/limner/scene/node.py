@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 from ._values import matrix4
 from .camera import Camera
 from .light import Light
+from .motion import Motion
 from .shape import Shape
 
 __all__ = ["MAX_DEPTH", "Node", "Placed"]
@@ -21,7 +22,7 @@ MAX_DEPTH = 512
 
 
 class Placed(NamedTuple):
-    """A node with its path from the root ("world/car/wheel") and its place in the world."""
+    """A node with its path from the root ("world/car/wheel") and its place in the world: (4, 4), or (k, 4, 4) at k times."""
 
     node: Node
     path: str
@@ -42,6 +43,8 @@ class Node:
     children : tuple of Node
     visible : bool
         False: neither it nor its children are drawn.
+    motion : Motion, optional
+        How it moves, with its children, in its own space: at a time t it stands at ``parent_from_node @ motion.at(t)``.
     """
 
     name: str = ""
@@ -51,6 +54,7 @@ class Node:
     cameras: tuple[Camera, ...] = ()
     children: tuple[Node, ...] = ()
     visible: bool = True
+    motion: Motion | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parent_from_node", matrix4(self.parent_from_node, f"node.parent_from_node of {self.name!r}"))
@@ -61,11 +65,17 @@ class Node:
             for held in getattr(self, name):
                 if not isinstance(held, kind):
                     raise SceneError(f"node.{name} of {self.name!r} must be {hint}, got {type(held).__name__}")
+        if self.motion is not None and not isinstance(self.motion, Motion):
+            raise SceneError(f"node.motion of {self.name!r} must be a Motion, got {type(self.motion).__name__}")
 
-    def walk(self, hidden: bool = True) -> Iterator[Placed]:
+    def place(self, time: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Where it stands in its parent's space at a time, (4, 4), or at k times, (k, 4, 4) if it moves."""
+        return self.parent_from_node if self.motion is None else self.parent_from_node @ self.motion.at(time)
+
+    def walk(self, hidden: bool = True, time: ArrayLike = 0.0) -> Iterator[Placed]:
         """Yield this node and all below it, parents first, each with its path and its place; without recursion.
 
-        `hidden` False leaves out the nodes that are not visible, and what is below them.
+        `hidden` False leaves out the nodes that are not visible, and what is below them. `time` is when to look, or k times at once.
         """
         stack = [(self, self.name or "world", np.eye(4), 0)]
         while stack:
@@ -74,7 +84,7 @@ class Node:
                 continue
             if depth > MAX_DEPTH:
                 raise SceneError(f"the scene graph must not be deeper than {MAX_DEPTH} nodes", path[:80] + "…")
-            world_from_object = world_from_parent @ node.parent_from_node
+            world_from_object = world_from_parent @ node.place(time)
             yield Placed(node, path, world_from_object)
             for index in reversed(range(len(node.children))):
                 child = node.children[index]

@@ -9,17 +9,17 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import LimnerError, SceneError
-from ..mesh.mesh import Mesh
 from ._values import Triple, triple
 from .camera import Camera
 from .environment import Environment
+from .fog import Fog
 from .light import Light
 from .material import Material, ShadowCatcher
 from .node import Node, Placed
-from .shape import Box, Plane, Shape, Sphere
+from .shape import Plane, Shape
 
 __all__ = ["Scene"]
 
@@ -40,6 +40,8 @@ class Scene:
         What a reader approximated, ignored or repaired.
     environment : Environment, optional
         Light from all around.
+    fog : Fog, optional
+        What the air is full of; for `ray` and `path`.
 
     A change is a copy: ``scene.replace(camera=...)``.
     """
@@ -50,12 +52,15 @@ class Scene:
     name: str = ""
     notes: tuple[str, ...] = ()
     environment: Environment | None = None
+    fog: Fog | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.root, Node):
             raise SceneError(f"scene.root must be a Node, got {type(self.root).__name__}")
         if self.environment is not None and not isinstance(self.environment, Environment):
             raise SceneError(f"scene.environment must be an Environment, got {type(self.environment).__name__}")
+        if self.fog is not None and not isinstance(self.fog, Fog):
+            raise SceneError(f"scene.fog must be a Fog, got {type(self.fog).__name__}")
         if isinstance(self.background, str):
             if self.background != "environment":
                 raise SceneError(f'scene.background must be three numbers, "environment" or None, got {self.background!r}')
@@ -68,17 +73,17 @@ class Scene:
         """Return a copy with the given fields changed."""
         return dataclasses.replace(self, **changes)
 
-    def walk(self) -> Iterator[Placed]:
-        """The visible nodes, parents first."""
-        return self.root.walk(hidden=False)
+    def walk(self, time: ArrayLike = 0.0) -> Iterator[Placed]:
+        """The visible nodes, parents first, as they stand at a time, or at k times at once."""
+        return self.root.walk(hidden=False, time=time)
 
-    def shapes(self) -> list[tuple[Placed, Shape]]:
+    def shapes(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Shape]]:
         """Every visible shape with the node that shows it, in the order of the graph: the order of instance ids."""
-        return [(placed, shape) for placed in self.walk() for shape in placed.node.shapes]
+        return [(placed, shape) for placed in self.walk(time) for shape in placed.node.shapes]
 
-    def lights(self) -> list[tuple[Placed, Light]]:
+    def lights(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Light]]:
         """Every visible light with its node."""
-        return [(placed, light) for placed in self.walk() for light in placed.node.lights]
+        return [(placed, light) for placed in self.walk(time) for light in placed.node.lights]
 
     def cameras(self) -> list[Camera]:
         """Every camera of the graph, placed in the world; negative and uneven scale of its node is taken out."""
@@ -123,13 +128,11 @@ class Scene:
 
 def _object_bounds(shape: Shape) -> NDArray[np.float64] | None:
     geometry = shape.geometry
-    if isinstance(geometry, Mesh):
-        return geometry.bounds
-    if isinstance(geometry, Sphere):
-        return np.array([[-geometry.radius] * 3, [geometry.radius] * 3])
-    if isinstance(geometry, Box):
-        return np.array([[-edge / 2.0 for edge in geometry.size], [edge / 2.0 for edge in geometry.size]])
-    return None
+    if isinstance(geometry, Plane):
+        return None
+    box = geometry.bounds
+    # Parts of an intersection that do not meet leave nothing.
+    return box if (box[0] <= box[1]).all() else None
 
 
 def _rigid(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,11 +15,12 @@ from ..intersect.plane import intersect_plane
 from ..intersect.sphere import intersect_sphere
 from ..kernel.elementary import PI, TWO_PI, acos, atan2, sqrt
 from ..kernel.lanes import spread, where
+from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..tables.layouts import PERSPECTIVE, SPHERE
-from .surface import Footprint, SurfacePoint, transform_normal, transform_point, transform_vector, transformed_reach
+from .surface import Footprint, SurfacePoint, transform_normal, transformed_reach
 
-__all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "ray_without_view", "view_ray"]
+__all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "moved", "ray_without_view", "view_ray"]
 
 f32 = np.float32
 _HALF = f32(0.5)
@@ -81,7 +82,7 @@ def meets_outside(instance, o: Vec3, d: Vec3, t: np.float32) -> bool:
 
 
 @kernel
-def _moved(origin: Vec3, direction: Vec3, t: np.float32, d: Vec3, n: Vec3) -> Vec3:
+def moved(origin: Vec3, direction: Vec3, t: np.float32, d: Vec3, n: Vec3) -> Vec3:
     """How the hit moves in its tangent plane as the ray's origin and direction change."""
     change = origin + direction * t
     along = dot(d, n)
@@ -119,8 +120,8 @@ def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
         n_object, tangent = p, Vec3(p.z, ZERO, -p.x)
     else:
         p = Vec3(p.x, ZERO, p.z)
-    dpdx = _moved(transform_vector(m, ray.dodx), transform_vector(m, ray.dddx), t, d, n_object)
-    dpdy = _moved(transform_vector(m, ray.dody), transform_vector(m, ray.dddy), t, d, n_object)
+    dpdx = moved(transform_vector(m, ray.dodx), transform_vector(m, ray.dddx), t, d, n_object)
+    dpdy = moved(transform_vector(m, ray.dody), transform_vector(m, ray.dddy), t, d, n_object)
     if instance["kind"] == SPHERE:
         u, v = _sphere_uv(p, r)
         dudx, dvdx = _sphere_uv_change(p, r, dpdx)

@@ -9,7 +9,7 @@
     albedo               the base colour as painted
     instance_id          which shape of the scene, -1: nothing
     material_id
-    triangle_id          of the instance's mesh; -1: nothing, or an exact sphere, plane or box
+    triangle_id          of the instance's mesh; -1: nothing, or an exact shape
 
 Blended surfaces count as solid where their alpha is at least one half.
 """
@@ -46,5 +46,5 @@ def write_aov(scene, camera, instance_id: int, triangle: int, point, values, ids
     row[8], row[9], row[10] = point.position.x, point.position.y, point.position.z
     row[11], row[12] = point.u, point.v
     row[13], row[14], row[15] = bsdf.albedo.r, bsdf.albedo.g, bsdf.albedo.b
-    ids[j, i, 0], ids[j, i, 1] = instance_id, point.material
+    ids[j, i, 0], ids[j, i, 1] = instances[instance_id]["owner"], point.material
     ids[j, i, 2] = triangle if instances[instance_id]["kind"] == MESH else _NOTHING

@@ -13,7 +13,8 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.lanes import any_of, max, min, spread, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
-from ..tables.layouts import BLINN_PHONG, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
+from ..tables.layouts import BLINN_PHONG, COOL_TO_WARM, DIELECTRIC, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
+from .cool_to_warm import cool_to_warm
 from .fresnel import schlick_weight
 from .lambert import eval_lambert
 from .microfacet import eval_ggx
@@ -137,6 +138,15 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         diffuse = base * (ONE - metallic)
         ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
         return Bsdf(ns, diffuse, black, one, f0, roughness * roughness, ambient, occlusion, black, emission, alpha, base)
+    if kind == DIELECTRIC:
+        # What goes through is the affair of renderers that follow rays.
+        alpha2 = spread(material["roughness"] * material["roughness"], point.u)
+        f0 = _color3(material["specular"]) + black
+        return Bsdf(point.ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base)
+    if kind == COOL_TO_WARM:
+        towards = Vec3(material["towards"][0], material["towards"][1], material["towards"][2])
+        shown = cool_to_warm(_color3(material["cool"]), base, point.ns, towards)
+        return Bsdf(point.ns, black, black, one, black, one, black, one, black, shown, alpha, base)
     return Bsdf(point.ns, base, black, one, black, one, ambient, one, black, emission, alpha, base)
 
 

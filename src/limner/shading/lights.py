@@ -10,13 +10,14 @@ from .._jit import kernel
 from ..kernel.elementary import sqrt
 from ..kernel.lanes import max, min, spread, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, spread3
-from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SPOT_LIGHT
+from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, RECTANGLE_LIGHT, SPHERE_LIGHT, SPOT_LIGHT
 from .bsdf import Bsdf, eval_bsdf
 
 __all__ = ["Illumination", "ambient_level", "ambient_radiance", "illuminate", "lit_radiance"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
+_QUARTER = f32(0.25)  # of a sphere's surface: the disk that is seen of it
 
 
 class Illumination(NamedTuple):
@@ -34,7 +35,7 @@ def _spread_color(c: Color, like: Vec3) -> Color:
 
 @kernel
 def illuminate(light, p: Vec3) -> Illumination:
-    """The light that reaches p if nothing stands between."""
+    """The light that reaches p if nothing stands between; a light with an area is taken for a point in its middle."""
     intensity = Color(light["intensity"][0], light["intensity"][1], light["intensity"][2])
     axis = Vec3(light["direction"][0], light["direction"][1], light["direction"][2])
     kind = light["kind"]
@@ -56,6 +57,10 @@ def illuminate(light, p: Vec3) -> Illumination:
     if kind == SPOT_LIGHT:
         cone = min(max(-dot(axis, wi) * light["cone_scale"] + light["cone_offset"], ZERO), ONE)
         strength = strength * (cone * cone)
+    if kind == SPHERE_LIGHT:
+        strength = strength * (light["area"] * _QUARTER)
+    elif kind >= RECTANGLE_LIGHT:
+        strength = strength * (max(-dot(axis, wi), ZERO) * light["area"])
     return Illumination(wi, distance, intensity * strength)
 
 

@@ -21,7 +21,7 @@ from .bsdf import Bsdf, eval_bsdf
 from .fresnel import schlick
 from .microfacet import ggx_distribution
 
-__all__ = ["BsdfSample", "pdf_bsdf", "sample_bsdf"]
+__all__ = ["BsdfSample", "pdf_bsdf", "pdf_microfacet", "sample_bsdf", "visible_normal"]
 
 f32 = np.float32
 _HALF, _FOUR = f32(0.5), f32(4.0)
@@ -71,7 +71,7 @@ def _pdf_phong(p: np.float32, n: Vec3, v: Vec3, wi: Vec3) -> np.float32:
 
 
 @kernel
-def _pdf_microfacet(alpha: np.float32, n: Vec3, v: Vec3, h: Vec3) -> np.float32:
+def pdf_microfacet(alpha: np.float32, n: Vec3, v: Vec3, h: Vec3) -> np.float32:
     """G1(v) D(h) / (4 n.v): the visible normals (Heitz, *Sampling the GGX distribution of visible normals*, JCGT 7(4), 2018)."""
     n_v, n_h = dot(n, v), dot(n, h)
     if n_v <= ZERO or n_h <= ZERO:
@@ -93,7 +93,7 @@ def _pdf(bsdf: Bsdf, shares: Shares, wo: Vec3, wi: Vec3) -> np.float32:
         else:
             pdf = pdf + shares.highlight * _pdf_highlight(bsdf.exponent, n, wo, h)
     if shares.microfacet > ZERO:
-        pdf = pdf + shares.microfacet * _pdf_microfacet(bsdf.roughness2, n, wo, h)
+        pdf = pdf + shares.microfacet * pdf_microfacet(bsdf.roughness2, n, wo, h)
     return pdf
 
 
@@ -104,7 +104,7 @@ def pdf_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> np.float32:
 
 
 @kernel
-def _visible_normal(alpha: np.float32, v: Vec3, u: np.float32, w: np.float32) -> Vec3:
+def visible_normal(alpha: np.float32, v: Vec3, u: np.float32, w: np.float32) -> Vec3:
     """A microfacet normal as it is seen from v, both in the surface's frame (Heitz 2018, listing 1)."""
     a = max(alpha, _LEAST_ALPHA)
     stretched = normalize(Vec3(a * v.x, a * v.y, v.z))
@@ -144,7 +144,7 @@ def sample_bsdf(bsdf: Bsdf, wo: Vec3, choice: np.float32, u: np.float32, w: np.f
         else:
             wi = reflect(-wo, to_world(frame, _highlight_normal(bsdf.exponent, u, w)))
     elif shares.microfacet > ZERO:
-        wi = reflect(-wo, to_world(frame, _visible_normal(bsdf.roughness2, to_local(frame, wo), u, w)))
+        wi = reflect(-wo, to_world(frame, visible_normal(bsdf.roughness2, to_local(frame, wo), u, w)))
     else:
         return BsdfSample(n, black, ZERO, False)
     if dot(n, wi) <= ZERO:

@@ -15,6 +15,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.lanes import at, max, min, spread, where
+from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, normalize, spread3
 
 __all__ = [
@@ -27,8 +28,6 @@ __all__ = [
     "surface_at",
     "to_raster",
     "transform_normal",
-    "transform_point",
-    "transform_vector",
     "transformed_reach",
     "with_normal",
 ]  # fmt: skip
@@ -83,26 +82,6 @@ class SurfacePoint(NamedTuple):
 
 
 # --- transforms -----------------------------------------------------------------------------------------------------------
-
-
-@kernel
-def transform_point(m, p: Vec3) -> Vec3:
-    """M p for a (3, 4) matrix: rotation, scale and translation."""
-    return Vec3(
-        m[0, 0] * p.x + m[0, 1] * p.y + m[0, 2] * p.z + m[0, 3],
-        m[1, 0] * p.x + m[1, 1] * p.y + m[1, 2] * p.z + m[1, 3],
-        m[2, 0] * p.x + m[2, 1] * p.y + m[2, 2] * p.z + m[2, 3],
-    )
-
-
-@kernel
-def transform_vector(m, v: Vec3) -> Vec3:
-    """M v for the linear part of a (3, 4) or (3, 3) matrix."""
-    return Vec3(
-        m[0, 0] * v.x + m[0, 1] * v.y + m[0, 2] * v.z,
-        m[1, 0] * v.x + m[1, 1] * v.y + m[1, 2] * v.z,
-        m[2, 0] * v.x + m[2, 1] * v.y + m[2, 2] * v.z,
-    )
 
 
 @kernel

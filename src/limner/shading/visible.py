@@ -6,10 +6,11 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.lanes import spread, where
+from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Vec3, dot, normalize
 from ..tables.layouts import ORTHOGRAPHIC, PLANE, SPHERE
 from .analytic import analytic_at, hit_analytic, view_ray
-from .surface import SurfacePoint, barycentrics_at, surface_at, transform_point, transform_vector
+from .surface import SurfacePoint, barycentrics_at, surface_at
 
 __all__ = ["direction_to_eye", "is_analytic", "visible_point"]
 

@@ -10,8 +10,9 @@ from limner.errors import UnsupportedError
 from limner.image.reconstruct import FILTERS, reconstruction
 from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.pixel_filter import filtered_samples
 from limner.render import render
-from limner.samples import filtered_samples, pixel_samples
+from limner.samples import pixel_samples
 from limner.scene.camera import OrthographicCamera
 from limner.scene.light import AmbientLight
 from limner.scene.material import Lambert

@@ -107,7 +107,7 @@ class Door:
         packed, form = _packer(self.signature[: len(arguments)]).pack(*head), _packer(rest)
         first, size, entry = _RESULT_SLOTS + len(packed), _RESULT_SLOTS + len(packed) + form.size, self._entry
         packed = struct.pack("QQ", *[ctypes.addressof(self._nowhere)] * 2) + packed
-        has_integers_only = all(isinstance(kind, Scalar) and np.dtype(kind.dtype).kind == "i" for kind in rest)
+        has_numbers_only = all(isinstance(kind, Scalar) for kind in rest)
         assert entry is not None
 
         def call(*more: Any) -> None:
@@ -117,7 +117,7 @@ class Door:
             slots = ctypes.create_string_buffer(size)
             ctypes.memmove(slots, packed, first)
             try:
-                form.pack_into(slots, first, *(more if has_integers_only else self._converted(more, rest)))
+                form.pack_into(slots, first, *(more if has_numbers_only else self._converted(more, rest)))
             except struct.error:
                 form.pack_into(slots, first, *self._converted(more, rest))
             entry(ctypes.addressof(slots))

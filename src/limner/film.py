@@ -18,13 +18,14 @@ from .tiles import Tile, run_all, tiles_of
 
 __all__ = ["Film"]
 
-_TILE: Signature = (Array(np.float32, 2), Scalar(np.int64), Scalar(np.float32), *[Scalar(np.int64)] * 4)
-_BAD: Signature = (Array(np.int64, 1), Scalar(np.int64))
-_DEVELOP = Door("limner.film_kernel", "develop_tile", (*_TILE, Array(np.float32, 1), *_BAD), "developing")
+_SUMS, _BAD, _WIDTH, _SHARE = Array(np.float32, 2), Array(np.int64, 1), Scalar(np.int64), Scalar(np.float32)
+_TILE: Signature = (Scalar(np.int64),) * 5
+_CLEAR = Door("limner.film_kernel", "clear_tile", (_SUMS, _WIDTH, *_TILE), "clearing")
+_DEVELOP = Door("limner.film_kernel", "develop_tile", (_SUMS, Array(np.float32, 1), _BAD, _WIDTH, _SHARE, *_TILE), "developing")
 _ENCODE = Door(
     "limner.film_kernel",
     "encode_tile",
-    (*_TILE, Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), *_BAD),
+    (_SUMS, Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), _BAD, _WIDTH, _SHARE, *_TILE),
     "developing for screens",
 )
 
@@ -52,16 +53,21 @@ class Film:
         self.tiles: list[Tile] = tiles_of(width, height, tile_size)
         self.taken = np.zeros(len(self.tiles), dtype=np.int64)
         self._exposed = [False] * len(self.tiles)
+        self._cleared: Callable[..., None] | None = None
 
     def expose(self, tile: Tile, work: Callable[[Tile, int, int], object], first: int, last: int) -> None:
         """Add samples first..last to a tile by `work`, which returns False where there was nothing to add."""
         if first == 0 and self._exposed[tile.number]:
-            _, i, j, columns, rows = tile
-            self.sums[j : j + rows, i : i + columns] = 0.0
+            self._clear(*tile)
             self._exposed[tile.number] = False
         if work(tile, first, last) is not False:
             self._exposed[tile.number] = True
         self.taken[tile.number] = last
+
+    def _clear(self, *tile: int) -> None:
+        if self._cleared is None:
+            self._cleared = _CLEAR.bind(self.sums.reshape(-1, 4), self.sums.shape[1])
+        self._cleared(*tile)
 
     def developing(self) -> tuple[NDArray[np.float32], Callable[[Tile], None], NDArray[np.int64]]:
         """The picture, (height, width, 4) float32, straight alpha, row 0 on top, yet to be filled; what fills a tile; what was bad.
@@ -79,12 +85,11 @@ class Film:
 
     def _by(self, door: Door, *arrays: NDArray[np.generic]) -> tuple[Callable[[Tile], None], NDArray[np.int64]]:
         bad = np.zeros(len(self.tiles), dtype=np.int64)
-        sums, width = self.sums.reshape(-1, 4), self.sums.shape[1]
+        develop = door.bind(self.sums.reshape(-1, 4), *arrays, bad, self.sums.shape[1])
 
         def fill(tile: Tile) -> None:
             if self._exposed[tile.number]:
-                share = np.float32(1.0 / max(self.taken[tile.number], 1))
-                door(sums, width, share, *tile[1:], *arrays, bad, tile.number)
+                develop(1.0 / max(int(self.taken[tile.number]), 1), *tile)
 
         return fill, bad
 

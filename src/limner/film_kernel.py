@@ -6,9 +6,26 @@ import numpy as np
 
 from ._jit import kernel
 from .kernel.elementary import as_int
-from .kernel.lanes import all_of, any_of, at, count_set, f32x8, i32x8, int32, load8, mask_of, max, min, put, store8, where
+from .kernel.lanes import (
+    all_of,
+    any_of,
+    at,
+    count_set,
+    f32x8,
+    i32x8,
+    int32,
+    load8,
+    mask_of,
+    max,
+    min,
+    put,
+    splat8,
+    store8,
+    store_rows,
+    where,
+)
 
-__all__ = ["develop_tile", "encode_tile"]
+__all__ = ["clear_tile", "develop_tile", "encode_tile"]
 
 f32, i32 = np.float32, np.int32
 _ZERO, _HALF, _ONE, _BYTE = f32(0.0), f32(0.5), f32(1.0), f32(255.0)
@@ -16,6 +33,20 @@ _LEAST = f32(2.0**-17)  # where the table of codes begins
 _LEAST_BUCKET = i32((110 << 23) >> 12)
 _BUCKET_BITS = i32(12)
 _COUNTING = np.arange(8, dtype=np.int32)
+
+
+@kernel
+def clear_tile(sums, width, tile, first_column, first_row, columns, rows):
+    """Take from a tile of the sums (height * width, 4) what a picture before has left."""
+    black = splat8(_ZERO)
+    for j in range(first_row, first_row + rows):
+        start = j * width + first_column
+        whole = columns - columns % 8
+        for i in range(0, whole, 8):
+            store_rows(sums, start + i, black, black, black, black)
+        for i in range(whole, columns):
+            for c in range(4):
+                sums[start + i, c] = _ZERO
 
 
 @kernel
@@ -36,7 +67,7 @@ def _is_finite(r: f32x8, g: f32x8, b: f32x8, alpha: f32x8):
 
 
 @kernel
-def develop_tile(sums, width, share, first_column, first_row, columns, rows, pixels, bad, tile):
+def develop_tile(sums, pixels, bad, width, share, tile, first_column, first_row, columns, rows):
     """Fill a tile of `pixels` (height * width * 4,), row 0 on top, from the sums (height * width, 4), row 0 at the bottom.
 
     `share` is one over the number of samples. bad[tile] becomes the number of pixels that are not finite and became black.
@@ -71,7 +102,7 @@ def _srgb_code(value: f32x8, codes, changes) -> i32x8:
 
 
 @kernel
-def encode_tile(sums, width, share, first_column, first_row, columns, rows, codes, changes, encoded, bad, tile):
+def encode_tile(sums, codes, changes, encoded, bad, width, share, tile, first_column, first_row, columns, rows):
     """Fill a tile of `encoded` (height * width,), four bytes RGBA each, sRGB and straight alpha; else as `develop_tile`."""
     height, wrong = sums.shape[0] // width, 0
     for j in range(first_row, first_row + rows):

@@ -20,6 +20,12 @@ from limner.scene.library import builtin
 
 _PROGRAM = Path(__file__).with_name("fingerprint.py")
 _GENERIC = {"limner.kernel.transform.transform_vector": 2, "limner.accel.walk.exact_tables": 2}  # (3, 4) and (3, 3) matrices; below
+# Fragments are shaded with and without shadows, by doors of their own.
+_GENERIC |= dict.fromkeys(
+    [f"limner.raster.fragment.{name}" for name in ("_shade", "_gouraud", "_shade_eight", "shade_fragments")]
+    + [f"limner.raster.tile.{name}" for name in ("_supersample", "_multisample", "_draw")],
+    2,
+)
 # What doors for scenes of all exact shapes pass on, where those for triangles, spheres and planes have None
 _TABLES = [f"Array({kind}, {n}, 'C', False, aligned=True)" for kind, n in (("float32", 1), ("int32", 1), ("float64", 2))]
 _EXACT = f"Tuple(({', '.join(_TABLES)}))"
@@ -83,7 +89,8 @@ def test_every_cpu_computes_the_same(as_python, for_any_cpu):
 def _of_one(types: str) -> str:
     """A signature with the lanes as if they were numbers, and exact shapes as if there were none."""
     types = types.replace(_EXACT, "none")
-    kinds = (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"), ("3x8", "3"), ("rx8", "r"))
+    kinds = (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"))
+    kinds = (*kinds, ("3x8", "3"), ("rx8", "r"))  # Vec3x8, Colorx8
     for lanes, number in kinds:
         types = types.replace(lanes, number)
     return re.sub(r"(\w+) x (\d+)", lambda many: ", ".join([many[1]] * int(many[2])), types)

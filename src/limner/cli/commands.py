@@ -63,6 +63,7 @@ def limner() -> None:
     "--antialiasing", type=click.Choice(["multisample", "supersample"]), default="multisample", show_default=True,
     help="Shade once what covers several samples of a pixel, or every sample (raster).",
 )  # fmt: skip
+@click.option("--shadows/--no-shadows", default=None, help="Whether lights can be hidden.  [default: not by raster]")
 @click.option(
     "--shading", type=click.Choice(["fragment", "vertex", "flat"]), default="fragment", show_default=True,
     help="Where colours are computed (raster).",
@@ -84,11 +85,22 @@ def limner() -> None:
     help="How the samples around a pixel are weighed (raster).",
 )  # fmt: skip
 @click.option("--max-depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="How often light is reflected at most.")
+@click.option(
+    "--sampler", type=click.Choice(["regular", "random", "jittered", "multijittered", "halton", "sobol"]),
+    help="How samples are spread (ray, path).  [default: the renderer's]",
+)  # fmt: skip
+@click.option("--glossy", is_flag=True, help="Follow what rough mirrors reflect by rays (ray; path does anyway).")
+@click.option("--emitters", is_flag=True, help="Let surfaces that shine light others (ray; path does anyway).")
 @click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
 @click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
 @click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
 @click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
 @click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
+@click.option("--aperture", type=click.FloatRange(0.0), metavar="R", help="Radius of the lens, metres (ray, path).  [default: the camera's]")
+@click.option(
+    "--focus", type=click.FloatRange(0.0, min_open=True), metavar="D",
+    help="Distance at which things are sharp, along the gaze.  [default: that of the target]",
+)  # fmt: skip
 @click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
@@ -105,6 +117,7 @@ def render(talk: Talk, /, **options: Any) -> None:
         limner render teapot -o teapot.png
         limner render model.glb -o model.exr --aov depth,normal --width 1920 --height 1080
         limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
+        limner render teapot -o blurred.png --renderer ray --samples 64 --aperture 0.1 --focus 5
 
     Ctrl-C stops early and saves the picture so far.
     """

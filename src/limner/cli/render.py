@@ -56,7 +56,11 @@ class Order:
     samples: int | None
     seed: int
     max_depth: int
+    sampler: str | None
+    glossy: bool
+    emitters: bool
     antialiasing: str
+    shadows: bool | None
     shading: str
     hidden_surfaces: str
     clipping: str
@@ -67,6 +71,8 @@ class Order:
     target: Triple | None
     up: Triple | None
     yfov: float | None
+    aperture: float | None
+    focus: float | None
     aovs: tuple[str, ...]
     environment: str | None
     ground: bool
@@ -86,7 +92,7 @@ def make_picture(order: Order, talk: Talk) -> None:
         scene = scene.replace(environment=Environment(order.environment))
     if order.background is not None:
         scene = scene.replace(background=None if order.background == "transparent" else order.background)
-    camera = chosen_camera(order, scene)
+    camera = _with_lens(order, scene, chosen_camera(order, scene))
     if order.ground:
         scene = scene.with_ground()
     talk.note(scene.notes)
@@ -103,7 +109,11 @@ def make_picture(order: Order, talk: Talk) -> None:
             samples=order.samples,
             seed=order.seed,
             max_depth=order.max_depth,
+            sampler=order.sampler,
+            glossy=order.glossy,
+            emitters=order.emitters,
             antialiasing=order.antialiasing,
+            shadows=order.shadows,
             shading=order.shading,
             hidden_surfaces=order.hidden_surfaces,
             clipping=order.clipping,
@@ -165,6 +175,25 @@ def chosen_camera(order: Sight, scene: Scene) -> Camera | None:
         return cameras[int(order.camera)]
     known = ", ".join(f"{index} {camera.name!r}" for index, camera in enumerate(cameras)) or "none"
     raise SceneError(f"there is no camera {order.camera!r} in {order.model}; it has: {known}")
+
+
+def _with_lens(order: Order, scene: Scene, camera: Camera | None) -> Camera | None:
+    """The camera with the lens that the command line asks for, in focus at what it looks at unless that is said, too."""
+    if order.aperture is None and order.focus is None:
+        return camera
+    from ..scene.camera import PerspectiveCamera
+    from ..scene.framing import with_defaults
+
+    chosen = camera or with_defaults(scene, order.width / order.height)[0].camera
+    if not isinstance(chosen, PerspectiveCamera):
+        raise SceneError("a camera with parallel projection has no lens: leave out --aperture and --focus")
+    distance = order.focus
+    if distance is None:
+        x, y, z = _middle(scene) if order.target is None else order.target
+        to_target = chosen.world_from_camera[:3, 3] - (x, y, z)
+        distance = float(to_target @ chosen.world_from_camera[:3, 2])
+    aperture = chosen.aperture_radius if order.aperture is None else order.aperture
+    return chosen.replace(aperture_radius=aperture, focus_distance=distance)
 
 
 def _middle(scene: Scene) -> Triple:

@@ -20,7 +20,7 @@ __all__ = [
     "BOOL_LANES", "DOUBLE_LANES", "FLOAT_LANES", "INT_LANES", "LONG_LANES", "add_rows", "all_of", "any_of", "at", "count_set", "double",
     "first_set", "four_bytes", "highest", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "prefetch", "put",
     "register", "single", "splat8", "splat8_int", "spread", "spread_value", "store8", "store_rows", "store_words", "sum8", "to_float",
-    "to_int", "vector_call", "where",
+    "to_int", "vector_call", "where", "with_lane",
 ]  # fmt: skip
 
 _I1, _I8, _I32, _I64 = (ir.IntType(bits) for bits in (1, 8, 32, 64))
@@ -297,6 +297,17 @@ def lane(typingctx: Any, v: Any, i: Any) -> Any:
         return builder.extract_element(args[0], args[1])
 
     return (v.element(v, types.int32), lower) if isinstance(v, _LaneType) and isinstance(i, types.Integer) else None
+
+
+@intrinsic  # type: ignore[misc]
+def with_lane(typingctx: Any, v: Any, i: Any, x: Any) -> Any:
+    """The lanes with another number in lane i."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.insert_element(args[0], args[2], args[1])
+
+    fits = isinstance(v, _LaneType) and isinstance(i, types.Integer) and isinstance(x, types.Number)
+    return (v(v, types.int32, v.element), lower) if fits else None
 
 
 # --- conditions -----------------------------------------------------------------------------------------------------------

@@ -33,6 +33,7 @@ __all__ = [
     "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set", "four_bytes",
     "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "prefetch", "put",
     "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float", "to_int", "where",
+    "with_lane",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -225,6 +226,7 @@ if MODE == "compiled":
         to_float,
         to_int,
         where,
+        with_lane,
     )
 
     register()
@@ -317,6 +319,12 @@ else:
     def lane(v: Any, i: int) -> Any:
         """One lane, 0 <= i < 8."""
         return v.values[i]
+
+    def with_lane(v: Any, i: int, x: Any) -> Any:
+        """The lanes with another number in lane i."""
+        values = v.values.copy()
+        values[i] = x
+        return v._with(values)
 
     def at(array: np.ndarray, index: Any) -> Any:
         """The element of a contiguous array at an index, or the eight at eight.

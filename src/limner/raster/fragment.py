@@ -20,8 +20,9 @@ from ..shading.lights import ambient_radiance, illuminate, lit_radiance
 from ..shading.sky import ambient_from_sky, sky_radiance
 from ..shading.surface import Barycentrics, SurfacePoint, barycentrics_at, flip_to_front, surface_at, with_normal
 from ..shading.visible import direction_to_eye, visible_point
-from ..tables.layouts import AMBIENT_LIGHT
+from ..tables.layouts import AMBIENT_LIGHT, SHADOW_CATCHER
 from .layouts import INSTANCE_WORD, MATERIAL_WORD, PER_TRIANGLE, PER_VERTEX, TRIANGLE_WORD
+from .shadow import lit_share, seen_light
 
 __all__ = ["Fragments", "shade_fragments"]
 
@@ -135,15 +136,22 @@ def _sort_groups(fragments: Fragments, n: int, n_groups: int):
 
 
 @kernel
-def _shade(point: SurfacePoint, material, camera, scene, lighting):
-    """(radiance, alpha) of a surface point: emission, ambient light, the sky, and every light, without shadows."""
+def _shade(point: SurfacePoint, material, camera, scene, lighting, shadowing):
+    """(radiance, alpha) of a surface point: emission, ambient light, the sky, and every light; without shadows, if `shadowing` is None."""
     _, _, _, _, _, _, _, lights, textures, texels = scene
     wo = direction_to_eye(camera, point.position)
     point = flip_to_front(point, wo)
     bsdf = resolve(material, point, textures, texels)
+    if shadowing is not None and material["kind"] == SHADOW_CATCHER:
+        black = spread(ZERO, point.u)
+        return Color(black, black, black), ONE - lit_share(point, bsdf, wo, scene, lighting, shadowing)
     radiance = bsdf.emission + ambient_radiance(lights, bsdf) + ambient_from_sky(lighting, bsdf, wo)
     for k in range(lights.shape[0]):
-        if lights[k]["kind"] != AMBIENT_LIGHT:
+        if lights[k]["kind"] == AMBIENT_LIGHT:
+            continue
+        if shadowing is not None:
+            radiance = radiance + seen_light(lights[k], point, bsdf, wo, scene, shadowing)
+        else:
             radiance = radiance + lit_radiance(bsdf, wo, illuminate(lights[k], point.position))
     return radiance, bsdf.alpha
 
@@ -159,12 +167,12 @@ def _corner(scene, instance, triangle: i32x8, b0: np.float32, b1: np.float32, b2
 
 
 @kernel
-def _gouraud(instance, triangle: i32x8, w: Barycentrics, material, camera, scene, lighting):
+def _gouraud(instance, triangle: i32x8, w: Barycentrics, material, camera, scene, lighting, shadowing):
     """Shade the three vertices and interpolate their colours (FoCG 8.2.4, 10.1.3)."""
     radiance, alpha = Color(splat8(ZERO), ZERO, ZERO), splat8(ZERO)
     for k in range(3):
         b0, b1, b2 = f32(k == 0), f32(k == 1), f32(k == 2)
-        c, a = _shade(_corner(scene, instance, triangle, b0, b1, b2, False), material, camera, scene, lighting)
+        c, a = _shade(_corner(scene, instance, triangle, b0, b1, b2, False), material, camera, scene, lighting, shadowing)
         share = w.b0 if k == 0 else (w.b1 if k == 1 else w.b2)
         radiance, alpha = radiance + c * share, alpha + a * share
     return radiance, alpha
@@ -184,18 +192,20 @@ def _vertices(vertices, triangles, row: i32x8, start: int):
 
 
 @kernel
-def _shade_eight(instance_id: int, material_id: int, triangle: i32x8, x: f32x8, y: f32x8, camera, scene, lighting, frame, frequency: int):
+def _shade_eight(
+    instance_id: int, material_id: int, triangle: i32x8, x: f32x8, y: f32x8, camera, scene, lighting, frame, frequency: int, shadowing
+):
     """(radiance, alpha) of eight points of an instance's triangles at raster points (x, y), shaded there, at the vertices, or once each."""
     instances, meshes, _, triangles, _, _, materials, _, _, _ = scene
     vertices, first_vertex, _ = frame
     instance, material = instances[instance_id], materials[material_id]
     if frequency == PER_TRIANGLE:
-        return _shade(_corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True), material, camera, scene, lighting)
+        return _shade(_corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True), material, camera, scene, lighting, shadowing)
     first_row, start = np.int64(meshes[instance["mesh"]]["triangle"]), first_vertex[instance_id]
     only = np.int64(lane(triangle, 0))
     if frequency == PER_VERTEX:
         v0, v1, v2 = _vertices(vertices, triangles, triangle + first_row, start)
-        return _gouraud(instance, triangle, barycentrics_at(x, y, v0, v1, v2), material, camera, scene, lighting)
+        return _gouraud(instance, triangle, barycentrics_at(x, y, v0, v1, v2), material, camera, scene, lighting, shadowing)
     if all_of(triangle == only):
         # A triangle that is seen in many pixels need be fetched once only.
         v0, v1, v2 = _vertices(vertices, triangles, only + first_row, start)
@@ -203,7 +213,7 @@ def _shade_eight(instance_id: int, material_id: int, triangle: i32x8, x: f32x8, 
     else:
         v0, v1, v2 = _vertices(vertices, triangles, triangle + first_row, start)
         point = visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y)
-    return _shade(point, material, camera, scene, lighting)
+    return _shade(point, material, camera, scene, lighting, shadowing)
 
 
 @kernel
@@ -233,8 +243,11 @@ def _chosen(fragments: Fragments, k: int, last: int, is_sorted: bool):
 
 
 @kernel
-def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background):
-    """Fill the radiance and alpha of the first n fragments. `screen` (n, words) int32: the screen triangles as plain numbers."""
+def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background, shadowing):
+    """Fill the radiance and alpha of the first n fragments.
+
+    `screen` (n, words) int32: the screen triangles as plain numbers. `shadowing`: a Shadowing, or None.
+    """
     if n == 0:
         return
     _pad(fragments, n)
@@ -254,7 +267,7 @@ def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lightin
                 c, alpha = _behind(x, y, lighting, background, camera)
             else:
                 c, alpha = _shade_eight(
-                    np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency
+                    np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency, shadowing
                 )
             if is_sorted:
                 store8(fragments.r, k, c.r)

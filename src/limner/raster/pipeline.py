@@ -9,12 +9,13 @@ the input, so the picture does not depend on how many there are.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
+from ..accel.layouts import ACCELERATOR_ARRAYS, STACK_SIZE, Accelerator
 from ..tables import layouts
 from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
@@ -38,12 +39,13 @@ from .layouts import (
 from .memory import Memory
 from .pyramid import pyramid_planes
 
-__all__ = ["CULLINGS", "TILE_SIZE", "draw", "draw_channels", "prepare"]
+__all__ = ["CULLINGS", "TILE_SIZE", "Shadows", "draw", "draw_channels", "prepare"]
 
 TILE_SIZE = 64
 CULLINGS = ("material", "back", "front", "none")
 _CHUNK = 8192  # vertices or triangles that make a job worth a call
 _I64 = Scalar(np.int64)
+_AFTER_BACKGROUND = 11  # arguments of a tile's door: scratch, film, tile, samples
 
 _TRANSFORM = Door(
     "limner.raster.vertex",
@@ -98,6 +100,16 @@ _DRAW = Door(
     "the raster renderer",
 )  # fmt: skip
 
+_DRAW_SHADOWED = Door(
+    "limner.raster.tile",
+    "draw_shadowed_tile",
+    (
+        *_DRAW.signature[: -_AFTER_BACKGROUND], *ACCELERATOR_ARRAYS, Array(layouts.MEDIUM, 1), _I64, _I64, Array(np.int32, 1),
+        Array(np.float64, 1), *_DRAW.signature[-_AFTER_BACKGROUND:],
+    ),
+    "the raster renderer with shadows",
+)  # fmt: skip
+
 _DRAW_AOV = Door(
     "limner.raster.aov_tile",
     "draw_aov_tile",
@@ -108,6 +120,14 @@ _DRAW_AOV = Door(
     ),
     "the raster renderer's channels",
 )  # fmt: skip
+
+
+class Shadows(NamedTuple):
+    """What shadow rays go through: the tree of the scene, its media (`tables.build.media_table`), and whether glass lets light by."""
+
+    tree: Accelerator
+    media: NDArray[np.void]
+    tinted: bool
 
 
 class Vertices(NamedTuple):
@@ -162,6 +182,7 @@ def prepare(
     on_note: Callable[[str], None] | None = None,
     culling: str = "material",
     sample_weights: NDArray[np.float32] | None = None,
+    shadows: Shadows | None = None,
     memory: Memory | None = None,
 ) -> Callable[[Tile, int, int], bool]:
     """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
@@ -193,6 +214,8 @@ def prepare(
         Which triangles are left out: the backs of one-sided materials, all backs, all fronts, none.
     sample_weights : (n,) float32, optional
         What each sample counts (`limner.pixel_filter.filtered_samples`), their sum n; None: 1 each.
+    shadows : Shadows, optional
+        None: every light reaches everything.
     memory : Memory, optional
         Of a picture before this one, which is done.
     """
@@ -207,11 +230,11 @@ def prepare(
 
     def bound() -> Callable[..., None]:
         scratch = _scratch(tile_size * tile_size * (8 if multisample and not has_blend else 1))
-        return _DRAW.bind(
+        door, rays = (_DRAW, ()) if shadows is None else (_DRAW_SHADOWED, _ray_arguments(shadows, tables))
+        return door.bind(
             *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,
-            background,
-            *scratch, film.reshape(-1, 4),
-        )
+            background, *rays, *scratch, film.reshape(-1, 4),
+        )  # fmt: skip
 
     kernel = PerThread(bound)
     # Plain numbers: a tile is asked in less time than NumPy takes to find one.
@@ -427,6 +450,12 @@ def _bin(
     columns = counted.grid.columns
     run_all(lambda k: _BIN(counted.touched, *chunks[k], columns, places, k, binned), range(len(chunks)), threads)
     return Bins(screen, cuts, binned, ranges)
+
+
+def _ray_arguments(shadows: Shadows, tables: SceneTables) -> tuple[Any, ...]:
+    has_alpha = int((tables.materials["alpha_mode"] != layouts.OPAQUE).any())
+    stack, no_ends = np.empty(STACK_SIZE, dtype=np.int32), np.empty(0, dtype=np.float64)
+    return (*shadows.tree, shadows.media, int(shadows.tinted), has_alpha, stack, no_ends)
 
 
 def _scratch(n: int) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ..accel.walk import exact_tables
 from ..kernel.lanes import (
     ALL_LANES,
     add_rows,
@@ -27,8 +28,9 @@ from ..tables.layouts import PERSPECTIVE
 from .fill import eight_pixels, eight_samples, fill_opaque, fill_transparent
 from .fragment import Fragments, shade_fragments
 from .layouts import SUBPIXELS
+from .shadow import Shadowing
 
-__all__ = ["draw_tile", "farthest_depth"]
+__all__ = ["draw_shadowed_tile", "draw_tile", "farthest_depth"]
 
 f32, i32 = np.float32, np.int32
 _GRID_STEP = f32(1.0 / SUBPIXELS)
@@ -148,7 +150,7 @@ def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, ne
 @kernel
 def _supersample(
     screen, binned, first, last, window, ox, oy, weight, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background,
-    floats, ints, fragments: Fragments, words, width, film,
+    floats, ints, fragments: Fragments, words, width, shadowing, film,
 ):  # fmt: skip
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, last_depth, next_depth = floats[0], floats[1], floats[2]
@@ -169,10 +171,10 @@ def _supersample(
             ):
                 break
             count = _list_seen(fragments, next_seen, window, width, ox, oy, False)
-            shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
+            shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
     count = _list_seen(fragments, seen, window, width, ox, oy, shows_behind or has_blend != 0)
-    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
     _add_fragments(fragments, count, layers, has_blend != 0, False, weight, film)
 
 
@@ -207,7 +209,7 @@ def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, wi
 def _multisample(
     screen, binned, first, last, window, sample_places, sample_weights, first_sample, last_sample, shows_behind, camera, scene, lighting,
     frame, frequency,
-    background, floats, ints, fragments: Fragments, words, width, film,
+    background, floats, ints, fragments: Fragments, words, width, shadowing, film,
 ):  # fmt: skip
     """Up to eight samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
     depth, seen, places, weights = floats[0], ints[0], ints[9], floats[14]
@@ -222,25 +224,18 @@ def _multisample(
     pattern = eight_samples(places, samples, low, high)
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
     count = _list_surfaces(fragments, seen, places, weights, samples, window, width, shows_behind)
-    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
     none = (depth, depth, depth, depth)
     _add_fragments(fragments, count, none, False, True, ONE, film)
 
 
 @kernel
-def draw_tile(
+def _draw(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
-    multisample, width, frequency, sample_places, sample_weights, background, floats, ints, table, film,
+    multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
-    """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
-
-    bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the
-    subpixel grid, and what each counts in sample_weights (n,).
-    multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
-    (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
-    """
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     lighting = (header, sky, sky_cumulative, emitters, blurred)
     frame = (vertices, first_vertex, cuts)
@@ -260,7 +255,7 @@ def draw_tile(
             _multisample(
                 screen, binned, first, last, window, sample_places, sample_weights, start, min(start + 8, last_sample), shows_behind,
                 camera, scene,
-                lighting, frame, frequency, background, floats, ints, fragments, words, width, film,
+                lighting, frame, frequency, background, floats, ints, fragments, words, width, shadowing, film,
             )  # fmt: skip
         return
     for s in range(first_sample, last_sample):
@@ -268,5 +263,50 @@ def draw_tile(
         _supersample(
             screen, binned, first, last, window, ox, oy, sample_weights[s], has_blend, shows_behind, camera, scene, lighting, frame,
             frequency, background,
-            floats, ints, fragments, words, width, film,
+            floats, ints, fragments, words, width, shadowing, film,
         )  # fmt: skip
+
+
+@kernel
+def draw_tile(
+    instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
+    multisample, width, frequency, sample_places, sample_weights, background, floats, ints, table, film,
+    tile, first_column, first_row, columns, rows, first_sample, last_sample,
+):  # fmt: skip
+    """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
+
+    bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the
+    subpixel grid, and what each counts in sample_weights (n,).
+    multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
+    (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
+    """
+    _draw(
+        instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+        header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words,
+        has_blend, multisample, width, frequency, sample_places, sample_weights, background, None, floats, ints, table, film,
+        tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    )  # fmt: skip
+
+
+@kernel
+def draw_shadowed_tile(
+    instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
+    multisample, width, frequency, sample_places, sample_weights, background, nodes, primitives, corners, planes, media,
+    tinted, has_alpha, stack, ends,
+    floats, ints, table, film,
+    tile, first_column, first_row, columns, rows, first_sample, last_sample,
+):  # fmt: skip
+    """As `draw_tile`, with the shadows that rays through a tree find: nodes, primitives, corners and planes are an Accelerator.
+
+    media (n,) MEDIUM; tinted, has_alpha: as in `shadow.Shadowing`; stack (STACK_SIZE,) int32, ends (0,) float64: scratch of the walk.
+    """
+    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
+    shadowing = Shadowing(accelerator, media, tinted, has_alpha, stack)
+    _draw(
+        instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+        header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words,
+        has_blend, multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film,
+        tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    )  # fmt: skip

@@ -10,7 +10,7 @@ from ..kernel.vec import ZERO
 from ..shading.analytic import view_ray
 from ..shading.aov import write_aov
 from ..shading.bsdf import alpha_at
-from .hit import first_hit_point
+from ..visibility.hit import first_hit_point
 
 __all__ = ["trace_aov_tile", "trace_aov_tile_exact"]
 

@@ -32,11 +32,11 @@ from ..shading.sky import pdf_sky, sample_sky, sky_radiance
 from ..shading.surface import SurfacePoint, flip_to_front
 from ..shading.visible import direction_to_eye
 from ..tables.layouts import AMBIENT_LIGHT, DIELECTRIC, DIRECTIONAL_LIGHT, SHADOW_CATCHER
-from .hit import first_hit_point, hit_point, lens_hit_point
+from ..visibility.hit import first_hit_point, hit_point, lens_hit_point
+from ..visibility.shadow import transmittance
+from ..visibility.spawn import off_surface
 from .lens import lens_ray
 from .rules import Rules
-from .shadow import transmittance
-from .spawn import off_surface
 from .start import LENS
 
 __all__ = ["path_radiance"]

@@ -9,8 +9,8 @@ from ..accel.walk import first_hit
 from ..kernel.vec import ZERO, Vec3, dot
 from ..shading.medium import within, without
 from ..tables.layouts import DIELECTRIC, PERSPECTIVE
-from .hit import hit_point
-from .spawn import off_surface
+from ..visibility.hit import hit_point
+from ..visibility.spawn import off_surface
 
 __all__ = ["LENS", "TIME", "media_around", "media_of_eye", "set_instant"]
 

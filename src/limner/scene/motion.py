@@ -70,8 +70,8 @@ class Motion:
     def turn(cls, axis: Any, degrees: float, start: float = 0.0, end: float = 1.0) -> Motion:
         """Turn about an axis through the origin, counter-clockwise seen from its tip, any number of times.
 
-        >>> Motion.turn((0, 0, 1), 720).at(0.125)[:2, 0].round(9).tolist()
-        [0.0, 1.0]
+        >>> Motion.turn((0, 0, 1), 720).at(0.0625)[:2, 0].round(3).tolist()
+        [0.707, 0.707]
         """
         direction, angle = np.array(triple(axis, "axis")), finite(degrees, "degrees")
         if not direction.any():

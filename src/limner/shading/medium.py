@@ -23,7 +23,7 @@ __all__ = ["Crossing", "cross_surface", "filling", "haze_of", "passed", "within"
 
 f32, i64 = np.float32, np.int64
 _BYTE = i64(256)
-_FULL = i64(1) << i64(48)  # six of them, and one more byte would still fit
+_FULL = i64(1) << i64(48)  # seven bytes are taken from here on, and the eighth holds the sign
 _LOG2_E = f32(math.log2(math.e))
 
 

@@ -96,7 +96,7 @@ def limner() -> None:
 @click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
 @click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
 @click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
-@click.option("--aperture", type=click.FloatRange(0.0), metavar="R", help="Radius of the lens, metres (ray, path).  [default: the camera's]")
+@click.option("--aperture", type=click.FloatRange(0.0), metavar="R", help="Radius of the lens (ray, path).  [default: the camera's]")
 @click.option(
     "--focus", type=click.FloatRange(0.0, min_open=True), metavar="D",
     help="Distance at which things are sharp, along the gaze.  [default: that of the target]",

@@ -197,6 +197,7 @@ class _Helpers:
             with self._lock:
                 self._idle -= 1
             call()
+            del call  # a thread that waits must not hold the last picture's film
 
 
 _MOST_HELPERS = 256

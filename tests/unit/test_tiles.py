@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
+import weakref
 
 import pytest
 
@@ -80,3 +82,22 @@ def test_an_interrupt_leaves_nobody_waiting() -> None:
                 assert process.wait(timeout=20) == 130
             finally:
                 process.kill()
+
+
+def test_threads_that_wait_hold_nothing() -> None:
+    """Bug: a helper kept its last call, and with it the film and the tree of the last picture. Fix: it lets go before it waits."""
+
+    class Film:
+        pass
+
+    def run() -> weakref.ref[Film]:
+        film = Film()
+        run_all(lambda item: time.sleep(0.001 if film else 0.0), range(40), 3)
+        return weakref.ref(film)
+
+    left = run()
+    deadline = time.monotonic() + 5.0
+    while left() is not None and time.monotonic() < deadline:
+        gc.collect()
+        time.sleep(0.01)
+    assert left() is None

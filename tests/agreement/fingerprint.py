@@ -13,6 +13,7 @@ import json
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -27,8 +28,10 @@ from limner.linear import transform
 from limner.mesh import primitives
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera
-from limner.scene.light import AmbientLight, PointLight, SpotLight
-from limner.scene.material import BlinnPhong, Lambert, MetallicRoughness
+from limner.scene.fog import Fog
+from limner.scene.light import AmbientLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
+from limner.scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness
+from limner.scene.motion import Motion
 from limner.scene.node import Node
 from limner.scene.scene import Scene
 from limner.scene.shape import (
@@ -41,6 +44,7 @@ from limner.scene.shape import (
     Intersection,
     Plane,
     Quadric,
+    Shape,
     Solid,
     Sphere,
     Torus,
@@ -83,8 +87,34 @@ def exact_scene() -> Scene:
     return scene_of(*nodes, place(Plane(), at=(0, -0.5, 0)), camera=PerspectiveCamera.look_at((0.4, 1.6, 3.4), (0, 0.2, 0)))
 
 
-def digest(renderer: str, scene: Scene) -> str:
-    image = render(scene, width=24, height=16, renderer=renderer, samples=1, aovs=CHANNELS, threads=1)
+def distributed_scene() -> Scene:
+    """Glass in glass, fog, lights with an area, a lens, mirrors that are not perfect, and things that move."""
+    return scene_of(
+        place(Plane(), Lambert(texture=checkers(2))),
+        place(Sphere(0.5), Dielectric(1.5, absorption=(0.2, 0.1, 0.4)), at=(-0.8, 0.5, 0)),
+        place(Sphere(0.2), Dielectric(1.0, fresnel="schlick"), at=(-0.8, 0.5, 0)),
+        place(Box((0.6, 0.6, 0.6)), Dielectric(1.3, roughness=0.3), at=(0.3, 0.3, 0.6)),
+        place(Sphere(0.4), MetallicRoughness((0.9, 0.6, 0.3), roughness=0.3, double_sided=True), at=(0.8, 0.4, -0.3)),
+        place(Sphere(0.3), BlinnPhong(diffuse=0.1, mirror=0.8, mirror_blur=0.3), at=(0.1, 0.3, -0.8)),
+        place(Sphere(0.2), CoolToWarm(), at=(0.0, 0.2, 1.1)),
+        Node(parent_from_node=transform.translate(0, 1.2, 0), shapes=(Shape(Sphere(0.2)),), motion=Motion.shift((0.5, 0.3, 0))),
+        Node(
+            parent_from_node=transform.translate(1, 1.3, 0), shapes=(Shape(Box((0.3,) * 3), (Lambert(0, emission=3),)),),
+            motion=Motion.turn((1, 1, 0), 80),
+        ),
+        Node(parent_from_node=transform.frame_from_gaze((1, 3, 1), (-1, -3, -1), (0, 0, 1)), lights=(DiskLight(intensity=6.0),)),
+        Node(parent_from_node=transform.translate(-2, 2, 1), lights=(SphereLight(intensity=9.0, radius=0.2),)),
+        Node(parent_from_node=transform.translate(0, 1, 4), lights=(RectangleLight(visible=False),)),
+        camera=PerspectiveCamera.look_at((0.2, 1.6, 3.6), (0, 0.6, 0), aperture_radius=0.03, blades=5, motion=Motion.shift((0.05, 0, 0))),
+        background=(0.1, 0.2, 0.3),
+    ).replace(fog=Fog(density=0.02))  # fmt: skip
+
+
+DISTRIBUTED = {"glossy": True, "emitters": True, "shutter": (0.0, 1.0), "max_depth": 4}
+
+
+def digest(renderer: str, scene: Scene, **options: Any) -> str:
+    image = render(scene, **{"width": 24, "height": 16, "renderer": renderer, "samples": 1, "aovs": CHANNELS, "threads": 1, **options})
     found = hashlib.blake2b(digest_size=16)
     for array in (image.pixels, *(image.aov[name] for name in CHANNELS)):
         found.update((array + array.dtype.type(0)).tobytes())  # -0 and 0 are one number
@@ -114,4 +144,7 @@ if __name__ == "__main__":
         answer |= {"seconds": time.perf_counter() - started, "signatures": signatures()}
     answer["pictures"] = {renderer: digest(renderer, small_scene()) for renderer in ("raster", "ray")}
     answer["pictures"] |= {"exact": digest("ray", exact_scene())}
+    for renderer, sampler in (("ray", "multijittered"), ("ray", "halton"), ("path", "jittered")):
+        small = digest(renderer, distributed_scene(), width=12, height=8, sampler=sampler, **DISTRIBUTED)
+        answer["pictures"] |= {f"distributed {renderer} {sampler}": small}
     print(json.dumps(answer))  # noqa: T201 - this is its answer

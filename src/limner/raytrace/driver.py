@@ -78,7 +78,7 @@ class _Scratch(threading.local):
     def __init__(self, needs_exact: bool) -> None:
         ends = np.empty(ENDS_SHAPE if needs_exact else (0,), dtype=np.float64)
         self.pending = np.empty((MAX_PENDING, 10), dtype=np.float32)
-        self.waiting = np.empty((MAX_PENDING, 3), dtype=np.int64)
+        self.waiting = np.empty((MAX_PENDING, 4), dtype=np.int64)
         self.walk = np.empty(STACK_SIZE, dtype=np.int32), ends
 
 

@@ -8,7 +8,8 @@ by lot and the others are strengthened for it (Russian roulette), which changes 
 Glass and water send a path one of two ways, by lot. What they focus (caustics) is found by chance alone, so only of lights that have an
 area, and of the sky; unless light is taken to go straight through them (`tinted`), and then is asked for like any other.
 
-Ambient light is a sky of one brightness that the camera does not see.
+Ambient light is a sky of one brightness that the camera does not see. A background is seen past things, in mirrors and through glass, but
+lights nothing.
 """
 
 from __future__ import annotations
@@ -187,8 +188,9 @@ def path_radiance(
     total, throughput = Color(ZERO, ZERO, ZERO), Color(ONE, ONE, ONE)
     alpha, from_camera, untouched = ONE, True, True
     pdf, by_chance_only, last, scatterings, dimension, light_dimension = ZERO, True, o, 0, 1, _FIRST_LIGHT
-    # Whether only mirrors and glass lie between the path and the eye; and whether the light it looks for now was asked for straight on.
-    as_seen, was_asked, inside = True, False, i64(outside)
+    # Whether only mirrors and glass lie between the path and the eye; whether the light it looks for now was asked for straight on; whether
+    # it has only been refracted.
+    as_seen, was_asked, looks_through, inside = True, False, True, i64(outside)
     for _ in range(_MAX_SURFACES):
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
         within = filling(inside, media)
@@ -197,7 +199,7 @@ def path_radiance(
             total = total + throughput * haze_of(media, within) * (Color(ONE, ONE, ONE) - left)
             throughput = throughput * left
         if hit.instance < 0:
-            if untouched:
+            if looks_through and (untouched or header["sky_present"] == 0):
                 alpha = max(background[3], ONE - max_component(throughput))
             if untouched or (as_seen and header["sky_present"] == 0):
                 total = total + throughput * Color(background[0], background[1], background[2]) * background[3]
@@ -244,7 +246,7 @@ def path_radiance(
             ways = meet_interface(material["fresnel"], roughness2, point.n, point.ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
             if draw_1d(sampler, dimension + 1) * both < ways.reflectance:
-                o, d = off_surface(point, point.n), ways.reflected
+                o, d, looks_through = off_surface(point, point.n), ways.reflected, False
                 throughput = throughput * both
             else:
                 squeeze = n_i / n_t
@@ -296,7 +298,7 @@ def path_radiance(
                     d = scatter_in_square(d, point.n, material["mirror_blur"], u, v)
             else:
                 as_seen, was_asked = False, False
-            from_camera, untouched = False, False
+            from_camera, untouched, looks_through = False, False, False
             dimension += _PER_SURFACE
         scatterings += 1
         if scatterings >= _FIRST_ROULETTE:

@@ -53,8 +53,9 @@ _NODES = i64(0x3FFFFFFF)
 MAX_PENDING = 64
 """Rays of one tree that wait."""
 
-PENDING_NUMBERS, PENDING_WORDS = 10, 3
-"""What a waiting ray is: origin, direction, throughput, density as float32; reflections, media and node as int64."""
+PENDING_NUMBERS, PENDING_WORDS = 10, 4
+"""What a waiting ray is: origin, direction, throughput, density as float32; reflections, media, node and whether it
+looks through (only been refracted since the eye) as int64."""
 
 # Decisions at a hit, after one for each light
 _WHICH_EMITTER, _WHERE_ON_EMITTER, _WHICH_FACET, _DECISIONS = 0, 1, 2, 3
@@ -175,8 +176,9 @@ def _lit_share(
 
 @kernel
 def _push(
-    pending, waiting, top: int, o: Vec3, d: Vec3, throughput: Color, pdf: np.float32, reflections: int, inside: int, node: int
-) -> int:
+    pending, waiting, top: int, o: Vec3, d: Vec3, throughput: Color, pdf: np.float32, reflections: int, inside: int, node: int,
+    looks_through: int,
+) -> int:  # fmt: skip
     """Let a ray wait, if it matters and there is room."""
     if top >= MAX_PENDING or max_component(throughput) < _LEAST_CONTRIBUTION:
         return top
@@ -184,14 +186,14 @@ def _push(
     pending[top, 3], pending[top, 4], pending[top, 5] = d.x, d.y, d.z
     pending[top, 6], pending[top, 7], pending[top, 8] = throughput.r, throughput.g, throughput.b
     pending[top, 9] = pdf
-    waiting[top, 0], waiting[top, 1], waiting[top, 2] = reflections, inside, node
+    waiting[top, 0], waiting[top, 1], waiting[top, 2], waiting[top, 3] = reflections, inside, node, looks_through
     return top + 1
 
 
 @outlined
 def _push_both(
     pending, waiting, top: int, media, material, sampler: Sampler, first: int, point: SurfacePoint, d: Vec3, throughput: Color, crossing,
-    reflections: int, inside: int, node: int,
+    reflections: int, inside: int, node: int, looks_through: int,
 ) -> int:  # fmt: skip
     """Let the rays wait that leave the surface of a dielectric: the reflected one, and the refracted one."""
     roughness2 = material["roughness"] * material["roughness"]
@@ -204,12 +206,14 @@ def _push_both(
     squeeze = n_i / n_t
     above, below = off_surface(point, point.n), off_surface(point, -point.n)
     top = _push(
-        pending, waiting, top, above, ways.reflected, throughput * ways.reflectance, ZERO, reflections + 1, inside, (2 * node) & _NODES
-    )
+        pending, waiting, top, above, ways.reflected, throughput * ways.reflectance, ZERO, reflections + 1, inside, (2 * node) & _NODES,
+        0,
+    )  # fmt: skip
     through = throughput * tint * (ways.transmittance * squeeze * squeeze)
     return _push(
-        pending, waiting, top, below, ways.transmitted, through, ZERO, reflections + 1, crossing.inside, (2 * node + 1) & _NODES
-    )
+        pending, waiting, top, below, ways.transmitted, through, ZERO, reflections + 1, crossing.inside, (2 * node + 1) & _NODES,
+        looks_through,
+    )  # fmt: skip
 
 
 @kernel
@@ -262,7 +266,7 @@ def radiance(
     o, d, throughput, reflections = ray.o, ray.d, Color(ONE, ONE, ONE), 0
     t_min, t_max, t_done = camera["near"], camera["far"], ZERO
     inside, node, pdf = i64(outside), i64(1), ZERO
-    straight, top = True, 0
+    straight, looks_through, seen_through, top = True, 1, ZERO, 0
     per_node = lights.shape[0] + _DECISIONS
     for _ in range(_MAX_SURFACES):
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not straight, stack)
@@ -278,6 +282,8 @@ def radiance(
             total = total + throughput * c
             if straight:
                 alpha_behind = max(alpha, ONE - max_component(left))
+            elif looks_through != 0:
+                seen_through = seen_through + max_component(throughput) * (ONE - alpha)
         else:
             if not straight:
                 point = hit_point(scene, accelerator, hit, o, d)
@@ -310,7 +316,7 @@ def radiance(
                 if reflections < rules.max_depth:
                     top = _push_both(
                         pending, waiting, top, media, material, sampler, first + lights.shape[0], point, d, throughput, crossing,
-                        reflections, inside, node,
+                        reflections, inside, node, looks_through,
                     )  # fmt: skip
             else:
                 bsdf = resolve(material, point, textures, texels)
@@ -337,7 +343,7 @@ def radiance(
                             r = scatter_in_square(r, point.n, material["mirror_blur"], u, v)
                         top = _push(
                             pending, waiting, top, off_surface(point, point.n), r, throughput * bsdf.mirror * bsdf.alpha, ZERO,
-                            reflections + 1, inside, (2 * node) & _NODES,
+                            reflections + 1, inside, (2 * node) & _NODES, 0,
                         )  # fmt: skip
                 if glossy:
                     u, v = draw_2d(sampler, first + lights.shape[0] + _WHICH_FACET)
@@ -345,7 +351,7 @@ def radiance(
                     if facet.pdf > ZERO and dot(facet.wi, point.n) > ZERO:
                         top = _push(
                             pending, waiting, top, off_surface(point, point.n), facet.wi, throughput * facet.weight * bsdf.alpha, facet.pdf,
-                            reflections + 1, inside, (2 * node) & _NODES,
+                            reflections + 1, inside, (2 * node) & _NODES, 0,
                         )  # fmt: skip
                 if alpha < ONE:
                     # What lies behind comes next, so that `straight` holds until the first ray is at its end. A ray of the camera
@@ -364,6 +370,7 @@ def radiance(
         o = Vec3(pending[top, 0], pending[top, 1], pending[top, 2])
         d = Vec3(pending[top, 3], pending[top, 4], pending[top, 5])
         throughput = Color(pending[top, 6], pending[top, 7], pending[top, 8])
-        pdf, reflections, inside, node = pending[top, 9], waiting[top, 0], waiting[top, 1], waiting[top, 2]
+        pdf, reflections, inside = pending[top, 9], waiting[top, 0], waiting[top, 1]
+        node, looks_through = waiting[top, 2], waiting[top, 3]
         t_min, t_max, t_done = ZERO, _INFINITY, ZERO
-    return total, (ONE - clear) + clear * alpha_behind
+    return total, max((ONE - clear) + clear * alpha_behind - seen_through, ZERO)

@@ -44,7 +44,8 @@ class Node:
     visible : bool
         False: neither it nor its children are drawn.
     motion : Motion, optional
-        How it moves, with its children, in its own space: at a time t it stands at ``parent_from_node @ motion.at(t)``.
+        How it moves, with its children, in its own space: at a time t it stands at ``parent_from_node @ motion.at(t)``. Shapes move while
+        the shutter is open; lights stand where they are when it opens, and cameras, which may have a motion of their own, at time 0.
     """
 
     name: str = ""

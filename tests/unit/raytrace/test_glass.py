@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from staging import SLOW_AS_PYTHON, place, point_light_at, scene_of, two_triangles
 
-from limner.errors import SceneError
+from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
 from limner.mesh import primitives
 from limner.render import render
@@ -57,7 +57,7 @@ def test_apparent_depth_under_water(ior):
     coin = place(Sphere(0.05), GLOW, at=(0.2, -depth, 0.0))
     water = place(Box((20, 10, 20)), Dielectric(ior), at=(0, -5, 0))
     camera = PerspectiveCamera.look_at((0, height, 0), (0, 0, 0), up=(0, 0, -1), yfov_degrees=12)
-    pixels = _pixels(scene_of(coin, water, DARK, camera=camera), 301, 301)[..., 0]
+    pixels = _pixels(scene_of(coin, water, DARK, camera=camera, background=(0, 0, 0)), 301, 301)[..., 0]
     pixels[pixels < 0.5 * pixels.max()] = 0.0  # the ground of the pool mirrors it, too
     column = (pixels * np.arange(301)).sum() / pixels.sum()
     tangent = (column - 150) / 150.5 * camera.half_height()
@@ -77,7 +77,7 @@ def test_a_parallel_plate_moves_what_is_behind_it(degrees):
     plate = place(Box((9, 9, thickness)), Dielectric(1.5), matrix=turned)
     lamp = place(Sphere(0.03), GLOW, at=(0, 0, -6))
     camera = OrthographicCamera.look_at((0, 0, 6), (0, 0, 0), height=1.0)
-    pixels = _pixels(scene_of(plate, lamp, DARK, camera=camera), 401, 401)[..., 0]
+    pixels = _pixels(scene_of(plate, lamp, DARK, camera=camera, background=(0, 0, 0)), 401, 401)[..., 0]
     bright = pixels > 0.5 * pixels.max()
     column, row = np.nonzero(bright)[1].mean(), np.nonzero(bright)[0].mean()
     phi = math.asin(math.sin(theta) / 1.5)
@@ -161,6 +161,7 @@ def test_fog_in_a_box(renderer):
     np.testing.assert_allclose(_middle(_through(box), renderer=renderer), left + (1 - left) * 0.5, rtol=2e-4)
 
 
+@SLOW_AS_PYTHON
 @BOTH
 @pytest.mark.parametrize("ior", [1.0, 1.5])
 def test_the_eye_may_be_in_it(renderer, ior):
@@ -174,6 +175,7 @@ def test_the_eye_may_be_in_it(renderer, ior):
     np.testing.assert_allclose(seen, expected, rtol=2e-3 if renderer == "ray" else 0.03)
 
 
+@SLOW_AS_PYTHON
 @BOTH
 def test_furnace(renderer):
     """In a room that shines with 1 everywhere, glass that takes nothing cannot be seen, whatever its shape."""
@@ -226,6 +228,7 @@ def test_a_gap_is_seen():
     assert joined > apart + 0.05
 
 
+@SLOW_AS_PYTHON
 @BOTH
 def test_a_bubble_is_a_ball_of_air(renderer):
     """Of equal priority the inner one counts: a shell of glass, its way through glass 2 (R - r)."""
@@ -246,6 +249,7 @@ def test_where_two_overlap_the_priority_decides(renderer, first, second):
     np.testing.assert_allclose(_middle(_through(near, far), renderer=renderer)[:2], np.exp((-red, -green)), rtol=1e-3)
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_meshes_spheres_and_mirrored_ones_enter_alike(mirrored):
     """A mesh, an exact ball, and both turned inside out by a mirror: which side is inside is the same."""
@@ -326,6 +330,7 @@ def test_frosted_glass_agrees_between_the_renderers():
     np.testing.assert_allclose(ray[5:11, 5:11, :3].mean(axis=(0, 1)), path[5:11, 5:11, :3].mean(axis=(0, 1)), rtol=0.02)
 
 
+@SLOW_AS_PYTHON
 def test_mirrors_and_glass_agree_between_the_renderers():
     """Without anything matte, a path is one way through the tree of rays: the same picture in the mean."""
     sky = place(Box((40, 40, 40)), Lambert(color=0, emission=(0.3, 0.6, 1.0)))
@@ -345,6 +350,21 @@ def test_a_backdrop_is_seen_through_glass():
     for renderer in ("ray", "path"):
         seen = _pixels(scene, 8, 8, renderer=renderer)[..., :3]
         np.testing.assert_allclose(seen, np.broadcast_to((0.2, 0.4, 0.8), (8, 8, 3)), rtol=1e-5)
+
+
+@BOTH
+def test_glass_before_nothing_is_as_clear_as_it_is(renderer):
+    """On a transparent background the alpha is what does not go through: nothing of air, 1 - tint of a filter, 1 - T of a pane; opaque
+    where something stands behind it."""
+    camera = PerspectiveCamera.look_at((0, 0, 4), (0, 0, 0), yfov_degrees=1)
+    r = _reflectance(1.0, 1.5)
+    for glass, expected in ((Dielectric(1.0), 0.0), (Dielectric(1.0, tint=(0.5,) * 3), 0.75), (Dielectric(1.5), 1 - (1 - r) / (1 + r))):
+        pane = place(Box((9, 9, 0.5)), glass)
+        options = {"renderer": renderer, "samples": 4 if renderer == "ray" else 1024}
+        seen = _pixels(scene_of(pane, DARK, camera=camera), 3, 3, **options)[..., 3]
+        assert seen.mean() == pytest.approx(expected, abs=2e-3 if renderer == "ray" else 0.02)
+        np.testing.assert_allclose(_pixels(scene_of(pane, _wall(-3), DARK, camera=camera), 3, 3, **options)[..., 3], 1.0, atol=2e-3
+                                   if renderer == "ray" else 0.05)  # fmt: skip
 
 
 # --- bad input ------------------------------------------------------------------------------------------------------------
@@ -374,6 +394,12 @@ def test_what_is_no_colour_of_glass_and_no_fog():
         Fog(density=-1.0)
     with pytest.raises(SceneError, match=r"scene.fog must be a Fog"):
         Scene(fog=0.1)  # type: ignore[arg-type]
+
+
+def test_more_kinds_of_glass_than_a_byte_counts():
+    panes = [place(Sphere(0.1), Dielectric(1.0 + k / 1000), at=(k, 0, 0)) for k in range(1, 257)]
+    with pytest.raises(UnsupportedError, match="more than 255 dielectric materials, got 256"):
+        render(scene_of(*panes), width=2, height=2, renderer="ray")
 
 
 def test_a_light_in_a_solid_is_told_of():

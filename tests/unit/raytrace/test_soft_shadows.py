@@ -47,6 +47,7 @@ def _floor_below(node: Node, *others: Node, **options: object) -> float:
 # --- how much arrives -----------------------------------------------------------------------------------------------------
 
 
+@SLOW_AS_PYTHON
 @BOTH
 @pytest.mark.parametrize(("height", "width", "depth"), [(1.0, 1.0, 1.0), (0.5, 2.0, 1.0), (4.0, 0.5, 3.0)])
 def test_a_rectangle_over_the_floor(renderer, height, width, depth):
@@ -58,6 +59,7 @@ def test_a_rectangle_over_the_floor(renderer, height, width, depth):
     assert _floor_below(_hanging(light, height), renderer=renderer) == pytest.approx(3.0 * 4 * quarter, rel=0.01)
 
 
+@SLOW_AS_PYTHON
 @BOTH
 @pytest.mark.parametrize(("height", "radius"), [(1.0, 0.5), (0.5, 1.0), (5.0, 2.0)])
 def test_a_disk_over_the_floor(renderer, height, radius):
@@ -67,6 +69,7 @@ def test_a_disk_over_the_floor(renderer, height, radius):
     assert _floor_below(_hanging(light, height), renderer=renderer) == pytest.approx(expected, rel=0.01)
 
 
+@SLOW_AS_PYTHON
 @BOTH
 @pytest.mark.parametrize(("height", "radius"), [(1.0, 0.5), (1.0, 0.95), (20.0, 0.3)])
 def test_a_sphere_over_the_floor(renderer, height, radius):
@@ -76,6 +79,7 @@ def test_a_sphere_over_the_floor(renderer, height, radius):
     assert seen == pytest.approx(expected, rel=0.01)
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("light", LIGHTS, ids=lambda light: type(light).__name__)
 def test_from_afar_all_are_points(light):
     """Of area times intensity candela straight ahead; to the rasteriser they are points anywhere."""
@@ -146,6 +150,7 @@ def test_a_disk_between_hides_as_much_as_it_covers():
     assert _floor_below(_hanging(DiskLight(intensity=50.0, radius=2.0), 40.0), ball) / lit == pytest.approx(0.75, abs=0.01)
 
 
+@SLOW_AS_PYTHON
 def test_without_shadows_nothing_hides_a_light():
     ball = place(Sphere(0.5), at=(0, 20, 0))
     light = _hanging(DiskLight(intensity=50.0, radius=2.0), 40.0)
@@ -192,6 +197,7 @@ def test_a_lamp_does_not_hide_its_own_light_but_stands_in_the_way_of_others():
         assert (lit == 0.0) == blocked
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("scale", [0.01, 3.0])
 def test_a_node_s_scale_does_not_change_a_light(scale):
     """As for all lights: size and radiance are what is said."""

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from staging import SLOW_AS_PYTHON
 
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera
@@ -57,7 +56,6 @@ def test_albedo_table_is_a_share():
     assert TOTAL[-1, -1] == pytest.approx(1 - math.log(2), abs=1e-3)
 
 
-@SLOW_AS_PYTHON
 def test_blur_keeps_an_even_sky():
     """Every average of a constant is the constant."""
     blurred = blurred_sky(np.full((32, 64, 3), 0.7, dtype=np.float32), 1)

@@ -66,7 +66,7 @@ BAD_CALLS = [
 ]
 
 
-@pytest.mark.parametrize("call", BAD_CALLS, ids=lambda call: ",".join(f"{k}={str(v)[:30]}" for k, v in call.items()))
+@pytest.mark.parametrize("call", BAD_CALLS, ids=lambda call: ",".join(f"{k}={str(v)[:30].split(' at 0x')[0]}" for k, v in call.items()))
 def test_bad_calls_get_one_line(call):
     """The message names what was wrong, and nothing else is raised."""
     with pytest.raises(LimnerError) as caught:

@@ -32,8 +32,8 @@ class Hits(NamedTuple):
 
 
 @kernel
-def _cast(instances, attributes, slots, nodes, primitives, corners, planes, rays, stack, ends, numbers, ids):
-    accelerator = (nodes, primitives, corners, planes, (attributes, slots, ends))
+def _cast(instances, attributes, slots, nodes, packs, tags, primitives, planes, rays, stack, ends, numbers, ids):
+    accelerator = (nodes, packs, tags, primitives, planes, (attributes, slots, ends))
     for k in range(rays.shape[0]):
         o, d = Vec3(rays[k, 0], rays[k, 1], rays[k, 2]), Vec3(rays[k, 3], rays[k, 4], rays[k, 5])
         hit = nearest(accelerator, instances, o, d, rays[k, 6], rays[k, 7], stack)

@@ -73,9 +73,9 @@ def _near_ray(origins, directions, k: int, frame) -> _NearRay:
 
 
 @kernel
-def intersect_batch(nodes, primitives, corners, planes, instances, frame, origins, directions, t_max, t, triangle, uv, first, stack):
+def intersect_batch(nodes, packs, tags, primitives, planes, instances, frame, origins, directions, t_max, t, triangle, uv, first, stack):
     """Fill t, triangle and uv from row `first` with the nearest hits of the rays (n, 3), each within (0, t_max)."""
-    accelerator = (nodes, primitives, corners, planes, None)
+    accelerator = (nodes, packs, tags, primitives, planes, None)
     for k in range(origins.shape[0]):
         row = first + k
         t[row], triangle[row], uv[0, row], uv[1, row] = f32(np.inf), -1, ZERO, ZERO
@@ -89,9 +89,9 @@ def intersect_batch(nodes, primitives, corners, planes, instances, frame, origin
 
 
 @kernel
-def occluded_batch(nodes, primitives, corners, planes, instances, frame, origins, directions, t_max, dark, first, stack):
+def occluded_batch(nodes, packs, tags, primitives, planes, instances, frame, origins, directions, t_max, dark, first, stack):
     """Fill `dark` (uint8) from row `first`: whether anything lies within (0, t_max) of each ray."""
-    accelerator = (nodes, primitives, corners, planes, None)
+    accelerator = (nodes, packs, tags, primitives, planes, None)
     for k in range(origins.shape[0]):
         dark[first + k] = 0
         ray = _near_ray(origins, directions, k, frame)

@@ -8,7 +8,7 @@ Booth 1990), found among 16 bins along each axis (Wald, *On fast construction of
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,15 @@ from ..errors import UnsupportedError
 from ..intersect.csg_program import program_bounds
 from ..tables import layouts as tables_layouts
 from ..tables.layouts import BOX, CSG, DISK, MESH, PLANE, SPHERE, Instants, SceneTables
-from .layouts import NODE, PRIMITIVE, Accelerator
+from .layouts import NODE, NODE_WORDS, PACK_WORDS, PRIMITIVE, TAG_WORDS, Accelerator
 from .moving import set_moving
 
 __all__ = ["Kind", "build", "build_over"]
 
 Kind = Literal["bvh", "linear"]
 
-_LEAF_SIZE = 4
+_LEAF_SIZE = 8  # as many as are met at once
+_LINE = 64  # bytes
 _I64 = Scalar(np.int64)
 
 _GATHER = Door(
@@ -44,6 +45,24 @@ _BUILD = Door(
     "build_tree",
     (Array(np.float32, 2), Array(np.int32, 1), Array(NODE, 1), Array(np.int32, 2), Array(np.float32, 2), _I64, Array(np.int64, 1)),
     "the bounding volume hierarchy",
+)
+
+_WIDEN = Door(
+    "limner.accel.widen",
+    "widen",
+    (
+        Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1), Array(np.int32, 1),
+        Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 2), Array(np.int8, 2), Array(np.int32, 1), Array(np.int32, 1),
+        Array(np.int32, 2), Array(np.int32, 2), Array(np.int64, 1),
+    ),
+    "widening the hierarchy",
+)  # fmt: skip
+
+_PACK = Door(
+    "limner.accel.widen",
+    "fill_packs",
+    (Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1)),
+    "gathering primitives in packs",
 )
 
 _BOUND = Door(
@@ -103,13 +122,42 @@ def build_over(
         raise UnsupportedError(f'accelerator must be "bvh" or "linear", got {accelerator!r}')
     n = len(primitives)
     order = np.arange(n, dtype=np.int32)
-    nodes = np.zeros(0, dtype=NODE)
-    if accelerator == "bvh" and n > _LEAF_SIZE:
-        room = np.zeros(n, dtype=NODE)
-        used = np.zeros(1, dtype=np.int64)
-        _BUILD(bounds, order, room, np.empty((256, 4), dtype=np.int32), np.empty((64, 8), dtype=np.float32), _LEAF_SIZE, used)
-        nodes = room[: int(used[0])].copy()
-    return Accelerator(nodes, primitives[order], np.ascontiguousarray(corners[order]), planes)
+    if accelerator == "linear" or n <= _LEAF_SIZE:
+        packs, tags = _room_for_packs((n + 7) // 8)
+        _PACK(primitives, corners, order, packs, tags)
+        return Accelerator(np.zeros(0, dtype=np.int32), packs, tags, primitives, planes)
+    binary = np.zeros(n, dtype=NODE)
+    used = np.zeros(2, dtype=np.int64)
+    _BUILD(bounds, order, binary, np.empty((256, 4), dtype=np.int32), np.empty((64, 8), dtype=np.float32), _LEAF_SIZE, used)
+    n_binary = int(used[0])
+    nodes = _aligned(NODE_WORDS * n_binary, np.int32)
+    packs, tags = _room_for_packs(n_binary + 1)
+    costs, splits = np.empty((2 * n_binary, 7), dtype=np.float32), np.empty((2 * n_binary, 8), dtype=np.int8)
+    counts, firsts = np.empty(2 * n_binary, dtype=np.int32), np.empty(2 * n_binary, dtype=np.int32)
+    waiting, slots = np.empty((n_binary, 3), dtype=np.int32), np.empty((4, 16), dtype=np.int32)
+    _WIDEN(binary[:n_binary], primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
+    n_nodes, n_packs = (int(count) for count in used)
+    return Accelerator(
+        _kept(nodes, NODE_WORDS * n_nodes), _kept(packs, PACK_WORDS * n_packs), _kept(tags, TAG_WORDS * n_packs), primitives, planes
+    )
+
+
+def _room_for_packs(n: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    return _aligned(PACK_WORDS * n, np.float32), _aligned(TAG_WORDS * n, np.int32)
+
+
+def _aligned(n: int, dtype: type) -> NDArray[Any]:
+    """(n,) of four bytes each, from a cache line's start: what is met together is fetched together."""
+    room = np.empty(n + _LINE // 4, dtype=dtype)
+    start = -room.ctypes.data % _LINE // 4
+    return room[start : start + n]
+
+
+def _kept(array: NDArray[Any], n: int) -> NDArray[Any]:
+    """The first n numbers, without the room behind them."""
+    kept = _aligned(n, array.dtype.type)
+    kept[:] = array[:n]
+    return kept
 
 
 def _visible(tables: SceneTables) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from ..kernel.elementary import sqrt
 from ..kernel.transform import transform_point
 from ..kernel.vec import ZERO, Vec3
 from ..tables.layouts import OPAQUE, SPHERE
-from .layouts import STACK_SIZE
+from .layouts import MAX_DEPTH
 
 __all__ = ["build_tree", "gather_primitives"]
 
@@ -175,7 +175,7 @@ def build_tree(bounds, order, nodes, stack, bins, leaf_size, used):
         top -= 1
         n, first, last, depth = stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3]
         middle = (first + last) // 2
-        if depth < STACK_SIZE // 2:
+        if depth < MAX_DEPTH // 2:
             axis, split = _best_split(bounds, order, first, last, bins)
             if axis >= 0:
                 middle = _partition(bounds, order, first, last, axis, split)

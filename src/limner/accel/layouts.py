@@ -10,7 +10,10 @@ from numpy.typing import NDArray
 from .._door import Array
 from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
-__all__ = ["ACCELERATOR_ARRAYS", "ENDS_SHAPE", "FIRST_MOVING", "NODE", "PRIMITIVE", "STACK_SIZE", "Accelerator"]
+__all__ = [
+    "ACCELERATOR_ARRAYS", "CORNERS", "ENDS_SHAPE", "FIRST_MOVING", "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE",
+    "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACK_SIZE", "TAG_WORDS", "Accelerator",
+]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
 
@@ -38,8 +41,11 @@ PRIMITIVE = np.dtype(
 FIRST_MOVING = -3
 """What stands for triangle 0 where it moves; -3 - k for triangle k."""
 
-STACK_SIZE = 96
-"""Nodes that wait during a walk; the builder keeps trees shallower than this."""
+MAX_DEPTH = 64
+"""Of the tree of two children each that the builder makes before it is widened."""
+
+STACK_SIZE = 2 * (7 * MAX_DEPTH + 8)
+"""Room for what waits during a walk, two words each: seven children of every node on the way down."""
 
 ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
 """Shape of the float64 scratch in which a walk counts where a ray is inside the leaves of a combination of solids."""
@@ -48,26 +54,41 @@ ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
 class Accelerator(NamedTuple):
     """A tree over the primitives of a scene, in world space.
 
-    Kernels take it as a tuple of these four and a fifth, for what exact shapes need: (attributes, slots, ends), of the tables and of
+    Eight boxes are met at once, and eight triangles: what a node or a pack has eight of stands side by side, as registers want it.
+
+    Kernels take it as a tuple of these five and a sixth, for what exact shapes need: (attributes, slots, ends), of the tables and of
     scratch memory; None where there are only triangles, spheres and planes (`accel.walk.exact_tables`).
 
     Attributes
     ----------
-    nodes : (n,) NODE
-        The root first; none: the primitives are tried one after the other.
-    primitives : (m,) PRIMITIVE
-        In the order of the leaves.
-    corners : (m, 9) float32
-        The vertices of the triangles among them.
-    planes : (k,) PRIMITIVE
+    nodes : (64 n,) int32
+        Of each node, the root first, as bits of float32: eight low x of its children's boxes, eight low y, low z, high x, high y, high z,
+        infinity and -infinity for children that there are not; then eight links, >= 0 a node, < 0 a pack: -1 - 2 pack, less 1 where
+        not all of it are triangles at rest; then, of the root alone, the low and the high corner of everything. No nodes: the packs are
+        tried one after the other.
+    packs : (72 m,) float32
+        Of each pack, eight x of the first vertex, eight y, eight z, those of the second and of the third; NaN where there is no triangle.
+    tags : (16 m,) int32
+        Of each of its eight: 16 times the instance, and the bits ONLY_FRONT, ONLY_BACK, NOT_OPAQUE, NOT_PLAIN; then eight numbers of
+        triangles, or of what is not plain the row of `primitives`.
+    primitives : (k,) PRIMITIVE
+    planes : (l,) PRIMITIVE
         What has no bounds, tried by every ray.
     """
 
-    nodes: NDArray[np.void]
+    nodes: NDArray[np.int32]
+    packs: NDArray[np.float32]
+    tags: NDArray[np.int32]
     primitives: NDArray[np.void]
-    corners: NDArray[np.float32]
     planes: NDArray[np.void]
 
 
-ACCELERATOR_ARRAYS = (Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(PRIMITIVE, 1))
+NODE_WORDS, LINKS, CORNERS, PACK_WORDS, TAG_WORDS = 64, 48, 56, 72, 16
+
+# What a pack says of its primitives
+ONLY_FRONT, ONLY_BACK, NOT_OPAQUE, NOT_PLAIN = 1, 2, 4, 8
+
+ACCELERATOR_ARRAYS = (
+    Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(PRIMITIVE, 1), Array(PRIMITIVE, 1),
+)  # fmt: skip
 """The door arguments that an Accelerator unpacks to."""

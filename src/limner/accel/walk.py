@@ -7,21 +7,26 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel, outlined
-from ..intersect.box import enter_box, moved_on
+from ..intersect.box import meet_box, moved_on
 from ..intersect.csg import intersect_csg
-from ..intersect.layouts import CSG
+from ..intersect.distance_field import intersect_distance_field
+from ..intersect.layouts import CSG, DISTANCE_FIELD
 from ..intersect.shape import intersect_shape
 from ..intersect.surface_code import surface_code
-from ..intersect.triangle import intersect_triangle, turned_ray
+from ..intersect.triangle import hit_triangle, turned_ray
+from ..kernel.elementary import as_float, as_int
+from ..kernel.lanes import any_of, first_set, lane, load8, lowest, mask_of, prefetch, where
 from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Vec3
 from ..shading.analytic import hit_analytic, meets_outside
-from .layouts import FIRST_MOVING
+from .layouts import CORNERS, FIRST_MOVING, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, ONLY_BACK, ONLY_FRONT, PACK_WORDS, TAG_WORDS
 
 __all__ = ["Hit", "exact_tables", "first_hit", "nearest", "occluded"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
+_ERROR = f32(2.0**-21)
+_NOWHERE = -(1 << 40)  # no link
 
 
 class Hit(NamedTuple):
@@ -46,7 +51,7 @@ def _miss(t_max: np.float32) -> Hit:
 
 @kernel
 def exact_tables(attributes, slots, ends):
-    """The fifth of what kernels take for an accelerator (`accel.layouts.Accelerator`), from a door's arguments.
+    """The sixth of what kernels take for an accelerator (`accel.layouts.Accelerator`), from a door's arguments.
 
     None, known to the compiler, where `ends` has one dimension: such a door meets no exact shapes but spheres and planes, and neither
     compiles nor asks for the others.
@@ -64,106 +69,179 @@ def _exact_hit(instances, row: int, exact, o: Vec3, d: Vec3, t_min: np.float32, 
     if shape["kind"] == CSG:
         c = intersect_csg(shape, instances, numbers, programs, o, d, t_min, t_max, both_sides, ends)
         return Hit(c.t, np.int64(c.leaf), surface_code(c.part, c.flipped), ZERO, ZERO) if c.leaf >= 0 else _miss(t_max)
-    h = intersect_shape(shape, numbers, o, d, t_min, t_max, both_sides)
+    if shape["kind"] == DISTANCE_FIELD:
+        h = intersect_distance_field(shape, numbers, o, d, t_min, t_max, both_sides, ends)
+    else:
+        h = intersect_shape(shape, numbers, o, d, t_min, t_max, both_sides)
     return Hit(h.t, np.int64(row), surface_code(h.part, 0), h.u, h.v) if h.part >= 0 else _miss(t_max)
 
 
 @outlined
-def _moving_hit(instances, p, corners, k: int, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool) -> Hit:
+def _moving_hit(instances, p, packs, place: int, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool) -> Hit:
     """The hit of a triangle that stands in its object's space: the ray is taken there, its parameter stays."""
     m = instances[p["instance"]]["object_from_world"]
-    h = intersect_triangle(turned_ray(transform_point(m, o), transform_vector(m, d)), corners, k, t_min, t_max)
+    ray = turned_ray(transform_point(m, o), transform_vector(m, d))
+    x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
+    a = Vec3(packs[x], packs[y], packs[z])
+    b = Vec3(packs[x + 24], packs[y + 24], packs[z + 24])
+    c = Vec3(packs[x + 48], packs[y + 48], packs[z + 48])
+    h = hit_triangle(ray, a, b, c, t_min, t_max)
     if h.t < t_max and (both_sides or h.facing > ZERO):
         return Hit(h.t, np.int64(p["instance"]), FIRST_MOVING - np.int64(p["triangle"]), h.u, h.v)
     return _miss(t_max)
 
 
 @kernel
-def _nearest_of(
-    instances, primitives, corners, exact, first: int, last: int, ray, o: Vec3, d: Vec3, t_min, best: Hit, both_sides, opaque_only
-):
-    """The nearer of `best` and what the primitives first..last offer."""
-    for k in range(first, last):
-        p = primitives[k]
-        if opaque_only and p["opaque"] == 0:
-            continue
-        if exact is not None:  # known to the compiler
-            if p["triangle"] < -1:
-                if p["triangle"] <= FIRST_MOVING:
-                    hit = _moving_hit(instances, p, corners, k, o, d, t_min, best.t, both_sides or p["facing"] == 0)
-                else:
-                    hit = _exact_hit(instances, np.int64(p["instance"]), exact, o, d, t_min, best.t, both_sides or p["facing"] == 0)
-                if hit.t < best.t:
-                    best = hit
-                continue
-        if p["triangle"] < 0:
-            t = hit_analytic(instances[p["instance"]], o, d, t_min, best.t)
-            if t < best.t and (both_sides or p["facing"] == 0 or meets_outside(instances[p["instance"]], o, d, t)):
-                best = Hit(t, np.int64(p["instance"]), -1, ZERO, ZERO)
-        else:
-            h = intersect_triangle(ray, corners, k, t_min, best.t)
-            if h.t < best.t and (both_sides or p["facing"] == 0 or (h.facing > ZERO) == (p["facing"] > 0)):
-                best = Hit(h.t, np.int64(p["instance"]), np.int64(p["triangle"]), h.u, h.v)
+def _other_hit(instances, p, packs, place: int, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool) -> Hit:
+    """The nearer of `best` and a primitive that is no triangle at rest."""
+    both = both_sides or p["facing"] == 0
+    if exact is not None:  # known to the compiler
+        if p["triangle"] < -1:
+            if p["triangle"] <= FIRST_MOVING:
+                hit = _moving_hit(instances, p, packs, place, o, d, t_min, best.t, both)
+            else:
+                hit = _exact_hit(instances, np.int64(p["instance"]), exact, o, d, t_min, best.t, both)
+            return hit if hit.t < best.t else best
+    t = hit_analytic(instances[p["instance"]], o, d, t_min, best.t)
+    if t < best.t and (both or meets_outside(instances[p["instance"]], o, d, t)):
+        return Hit(t, np.int64(p["instance"]), -1, ZERO, ZERO)
     return best
 
 
 @kernel
-def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
-    """The nearest hit in (t_min, t_max), or any.
+def _unbounded_hit(instances, planes, packs, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides, opaque_only) -> Hit:
+    """The nearer of `best` and what has no bounds."""
+    for k in range(planes.shape[0]):
+        if not (opaque_only and planes[k]["opaque"] == 0):
+            best = _other_hit(instances, planes[k], packs, 0, exact, o, d, t_min, best, both_sides)
+    return best
 
-    A primitive's own tie is broken by the order of the leaves; the far child waits on `stack` (int32) and is dropped when it comes up
-    if something nearer was found meanwhile.
+
+@kernel
+def _pack_hit(instances, packs, tags, pack: int, ray, t_min, best: Hit, both_sides, opaque_only) -> Hit:
+    """The nearer of `best` and the triangles of a pack."""
+    place = PACK_WORDS * pack
+    x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
+    a = Vec3(load8(packs, x), load8(packs, y), load8(packs, z))
+    b = Vec3(load8(packs, x + 24), load8(packs, y + 24), load8(packs, z + 24))
+    c = Vec3(load8(packs, x + 48), load8(packs, y + 48), load8(packs, z + 48))
+    h = hit_triangle(ray, a, b, c, t_min, best.t)
+    met = h.t < best.t
+    if any_of(met):
+        tag = load8(tags, TAG_WORDS * pack)
+        met = met & ((tag & NOT_PLAIN) == 0)
+        if opaque_only:
+            met = met & ((tag & NOT_OPAQUE) == 0)
+        if not both_sides:
+            met = met & (((tag & ONLY_FRONT) == 0) | (h.facing > ZERO)) & (((tag & ONLY_BACK) == 0) | (h.facing < ZERO))
+        if any_of(met):
+            nearest_t = lowest(where(met, h.t, _INFINITY))
+            i = np.int64(first_set(mask_of(met & (h.t == nearest_t))))
+            row = TAG_WORDS * pack + i
+            return Hit(nearest_t, np.int64(tags[row]) >> 4, np.int64(tags[row + 8]), lane(h.u, i), lane(h.v, i))
+    return best
+
+
+@outlined
+def _hit_of_others(
+    instances, packs, tags, primitives, exact, pack: int, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool,
+    opaque_only: bool,
+) -> Hit:
+    """The nearer of `best` and what in a pack is no triangle at rest."""
+    for i in range(8):
+        if tags[TAG_WORDS * pack + i] & NOT_PLAIN != 0:
+            p = primitives[tags[TAG_WORDS * pack + 8 + i]]
+            if not (opaque_only and p["opaque"] == 0):
+                best = _other_hit(instances, p, packs, PACK_WORDS * pack + i, exact, o, d, t_min, best, both_sides)
+    return best
+
+
+@kernel
+def _with_nearest_first(nodes, place: int, enter, entered, link: int, bits, stack, top: int):
+    """The link of the nearest of a node's children, the other ones pushed; `link` is the one that enters at `bits`, `entered` the rest."""
+    bottom = top
+    while entered != 0:
+        i = np.int64(first_set(entered))
+        entered = entered & (entered - 1)
+        other, other_bits = np.int64(nodes[place + i]), as_int(lane(enter, i))
+        is_nearer = other_bits < bits
+        pushed, pushed_bits = (link, bits) if is_nearer else (other, other_bits)
+        link, bits = (other, other_bits) if is_nearer else (link, bits)
+        j = top
+        while j > bottom and stack[2 * j - 1] < pushed_bits:
+            stack[2 * j], stack[2 * j + 1] = stack[2 * j - 2], stack[2 * j - 1]
+            j -= 1
+        stack[2 * j], stack[2 * j + 1] = pushed, pushed_bits
+        top += 1
+        if pushed >= 0:
+            for line in range(0, NODE_WORDS, 16):
+                prefetch(nodes, NODE_WORDS * pushed + line)
+    return link, top
+
+
+@kernel
+def _eight(nodes, place: int):
+    """Eight numbers of a node."""
+    return as_float(load8(nodes, place))
+
+
+@kernel
+def _slack(nodes, ray) -> np.float32:
+    """By how much the t of a hit may be off: it is a mean of its vertices' t, so its error is one of the greatest of them, not its own."""
+    low, high = as_float(nodes[CORNERS + ray.kz]), as_float(nodes[CORNERS + 3 + ray.kz])
+    return max(abs(low - ray.oz), abs(high - ray.oz)) * abs(ray.sz) * _ERROR
+
+
+@kernel
+def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
+    """The nearest hit in (t_min, t_max), or any; t_min >= 0.
+
+    What waits is on `stack` (int32), two words each: the link, and the bits of where the ray enters its box, the nearest on top; it is
+    dropped when it comes up if something nearer was found meanwhile.
     """
-    nodes, primitives, corners, planes, exact = accelerator
+    nodes, packs, tags, primitives, planes, exact = accelerator
     ray = turned_ray(o, d)
     inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
-    best = _miss(t_max)
-    best = _nearest_of(instances, planes, corners, exact, 0, planes.shape[0], ray, o, d, t_min, best, both_sides, opaque_only)
-    if any_hit and best.instance >= 0:
+    best = _unbounded_hit(instances, planes, packs, exact, o, d, t_min, _miss(t_max), both_sides, opaque_only)
+    if any_hit and best.instance != -1:
         return best
     if nodes.shape[0] == 0:
-        return _nearest_of(
-            instances, primitives, corners, exact, 0, primitives.shape[0], ray, o, d, t_min, best, both_sides, opaque_only
-        )
+        for pack in range(tags.shape[0] // TAG_WORDS):
+            best = _pack_hit(instances, packs, tags, pack, ray, t_min, best, both_sides, opaque_only)
+            best = _hit_of_others(instances, packs, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+        return best
+    slack = _slack(nodes, ray)
+    near_x, near_y, near_z = 24 if inverse.x < ZERO else 0, 32 if inverse.y < ZERO else 8, 40 if inverse.z < ZERO else 16
     current, top = 0, 0
     while True:
-        node = nodes[current]
-        t0 = enter_box(node["box"], 0, o, inverse, t_min, best.t)
-        t1 = enter_box(node["box"], 6, o, inverse, t_min, best.t)
-        near, far = (0, 1) if t0 <= t1 else (1, 0)
-        near_t, far_t = min(t0, t1), max(t0, t1)
-        following = -1
-        if near_t < _INFINITY:
-            child, count = node["child"][near], node["count"][near]
-            if child < 0:
-                best = _nearest_of(
-                    instances, primitives, corners, exact, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides,
-                    opaque_only,
-                )  # fmt: skip
-                if any_hit and best.instance >= 0:
+        place = NODE_WORDS * current
+        near = Vec3(_eight(nodes, place + near_x), _eight(nodes, place + near_y), _eight(nodes, place + near_z))
+        far = Vec3(_eight(nodes, place + 24 - near_x), _eight(nodes, place + 40 - near_y), _eight(nodes, place + 56 - near_z))
+        enter, leave = meet_box(near, far, o, inverse, t_min, best.t, slack)
+        entered = mask_of(enter <= leave)
+        link = _NOWHERE
+        if entered != 0:
+            i = np.int64(first_set(entered))
+            entered = entered & (entered - 1)
+            link = np.int64(nodes[place + LINKS + i])
+            if entered != 0:
+                link, top = _with_nearest_first(nodes, place + LINKS, enter, entered, link, as_int(lane(enter, i)), stack, top)
+        while link < 0:
+            if link != _NOWHERE:
+                pack = (-1 - link) >> 1
+                best = _pack_hit(instances, packs, tags, pack, ray, t_min, best, both_sides, opaque_only)
+                if link & 1 == 0:
+                    best = _hit_of_others(instances, packs, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+                if any_hit and best.instance != -1:
                     return best
-            else:
-                following = np.int64(child)
-        if far_t < _INFINITY and far_t <= moved_on(best.t):
-            child, count = node["child"][far], node["count"][far]
-            if child < 0:
-                best = _nearest_of(
-                    instances, primitives, corners, exact, -1 - child, -1 - child + count, ray, o, d, t_min, best, both_sides,
-                    opaque_only,
-                )  # fmt: skip
-                if any_hit and best.instance >= 0:
+            while True:
+                if top == 0:
                     return best
-            elif following < 0:
-                following = np.int64(child)
-            else:
-                stack[top] = child
-                top += 1
-        if following < 0:
-            if top == 0:
-                return best
-            top -= 1
-            following = np.int64(stack[top])
-        current = following
+                top -= 1
+                if as_float(stack[2 * top + 1]) <= moved_on(best.t, slack):
+                    break
+            link = np.int64(stack[2 * top])
+        current = link
 
 
 @kernel
@@ -183,4 +261,4 @@ def first_hit(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max
 @kernel
 def occluded(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> bool:
     """Whether anything opaque lies in (t_min, t_max); both sides of every triangle count."""
-    return _walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance >= 0
+    return _walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance != -1

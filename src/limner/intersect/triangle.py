@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from .._jit import kernel
+from ..kernel.lanes import any_of, double, single, where
 from ..kernel.vec import ONE, ZERO, Vec3
 
-__all__ = ["TriangleHit", "TurnedRay", "intersect_triangle", "turned_ray"]
+__all__ = ["TriangleHit", "TurnedRay", "hit_triangle", "turned_ray"]
 
-f32, f64 = np.float32, np.float64
+f32 = np.float32
 _INFINITY = f32(np.inf)
 
 
@@ -46,47 +47,50 @@ class TriangleHit(NamedTuple):
 
 @kernel
 def _component(v: Vec3, k: int) -> np.float32:
-    if k == 0:
-        return v.x
-    return v.y if k == 1 else v.z
+    return where(k == 0, v.x, where(k == 1, v.y, v.z))
 
 
 @kernel
 def turned_ray(o: Vec3, d: Vec3) -> TurnedRay:
-    """What is computed once for a ray and used for every triangle."""
+    """What is computed once for a ray and used for every triangle. No branches: rays go every way."""
     ax, ay, az = abs(d.x), abs(d.y), abs(d.z)
-    kz = 2
-    if ax >= ay and ax >= az:
-        kz = 0
-    elif ay >= az:
-        kz = 1
-    kx = kz + 1 if kz < 2 else 0
-    ky = kx + 1 if kx < 2 else 0
+    kz = where((ax >= ay) & (ax >= az), 0, where(ay >= az, 1, 2))
+    after = where(kz < 2, kz + 1, 0)
+    before = where(kz > 0, kz - 1, 2)
     dz = _component(d, kz)
-    if dz < ZERO:
-        kx, ky = ky, kx
+    kx, ky = where(dz < ZERO, before, after), where(dz < ZERO, after, before)
     return TurnedRay(
         kx, ky, kz, _component(d, kx) / dz, _component(d, ky) / dz, ONE / dz, _component(o, kx), _component(o, ky), _component(o, kz)
     )
 
 
 @kernel
-def intersect_triangle(ray: TurnedRay, v, row: int, t_min: np.float32, t_max: np.float32) -> TriangleHit:
-    """Hit the triangle whose vertices stand in v[row, 0:9]. Comparisons are written so that a NaN is a miss."""
-    az, bz, cz = v[row, ray.kz] - ray.oz, v[row, 3 + ray.kz] - ray.oz, v[row, 6 + ray.kz] - ray.oz
-    ax, ay = v[row, ray.kx] - ray.ox - ray.sx * az, v[row, ray.ky] - ray.oy - ray.sy * az
-    bx, by = v[row, 3 + ray.kx] - ray.ox - ray.sx * bz, v[row, 3 + ray.ky] - ray.oy - ray.sy * bz
-    cx, cy = v[row, 6 + ray.kx] - ray.ox - ray.sx * cz, v[row, 6 + ray.ky] - ray.oy - ray.sy * cz
+def _edges(ax, ay, bx, by, cx, cy):
+    """On which side of its three edges the origin lies. On an edge to within rounding: the products of float32 are exact in float64."""
     e0, e1, e2 = cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax
-    if e0 == ZERO or e1 == ZERO or e2 == ZERO:
-        # On an edge to within rounding: the products of float32 are exact in float64.
-        e0 = f32(f64(cx) * f64(by) - f64(cy) * f64(bx))
-        e1 = f32(f64(ax) * f64(cy) - f64(ay) * f64(cx))
-        e2 = f32(f64(bx) * f64(ay) - f64(by) * f64(ax))
-    outside = (e0 < ZERO or e1 < ZERO or e2 < ZERO) and (e0 > ZERO or e1 > ZERO or e2 > ZERO)
+    on_edge = (e0 == ZERO) | (e1 == ZERO) | (e2 == ZERO)
+    if any_of(on_edge):
+        x0, y0, x1, y1, x2, y2 = double(ax), double(ay), double(bx), double(by), double(cx), double(cy)
+        e0 = where(on_edge, single(x2 * y1 - y2 * x1), e0)
+        e1 = where(on_edge, single(x0 * y2 - y0 * x2), e1)
+        e2 = where(on_edge, single(x1 * y0 - y1 * x0), e2)
+    return e0, e1, e2
+
+
+@kernel
+def hit_triangle(ray: TurnedRay, a: Vec3, b: Vec3, c: Vec3, t_min: np.float32, t_max: np.float32) -> TriangleHit:
+    """Hit the triangle a, b, c, or eight of them, whose components stand in the ray's order kx, ky, kz.
+
+    Comparisons are written so that a NaN is a miss.
+    """
+    az, bz, cz = a.z - ray.oz, b.z - ray.oz, c.z - ray.oz
+    ax, ay = a.x - ray.ox - ray.sx * az, a.y - ray.oy - ray.sy * az
+    bx, by = b.x - ray.ox - ray.sx * bz, b.y - ray.oy - ray.sy * bz
+    cx, cy = c.x - ray.ox - ray.sx * cz, c.y - ray.oy - ray.sy * cz
+    e0, e1, e2 = _edges(ax, ay, bx, by, cx, cy)
+    outside = ((e0 < ZERO) | (e1 < ZERO) | (e2 < ZERO)) & ((e0 > ZERO) | (e1 > ZERO) | (e2 > ZERO))
     total = e0 + e1 + e2
-    inverse = ONE / total
+    inverse = ONE / where(total == ZERO, ONE, total)
     t = (e0 * az + e1 * bz + e2 * cz) * ray.sz * inverse
-    if outside or total == ZERO or not (t_min < t and t < t_max):
-        return TriangleHit(_INFINITY, ZERO, ZERO, ZERO)
-    return TriangleHit(t, e1 * inverse, e2 * inverse, total)
+    is_hit = (t_min < t) & (t < t_max) & (total != ZERO) & ~outside
+    return TriangleHit(where(is_hit, t, _INFINITY), e1 * inverse, e2 * inverse, total)

@@ -293,7 +293,7 @@ def draw_tile(
 def draw_shadowed_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
-    multisample, width, frequency, sample_places, sample_weights, background, nodes, primitives, corners, planes, media,
+    multisample, width, frequency, sample_places, sample_weights, background, nodes, packs, tags, primitives, planes, media,
     tinted, has_alpha, stack, ends,
     floats, ints, table, film,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
@@ -302,7 +302,7 @@ def draw_shadowed_tile(
 
     media (n,) MEDIUM; tinted, has_alpha: as in `shadow.Shadowing`; stack (STACK_SIZE,) int32, ends (0,) float64: scratch of the walk.
     """
-    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
+    accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     shadowing = Shadowing(accelerator, media, tinted, has_alpha, stack)
     _draw(
         instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,

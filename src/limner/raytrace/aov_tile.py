@@ -22,12 +22,12 @@ _MAX_SURFACES = 256
 @kernel
 def trace_aov_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes, camera_table, raster_from_object, stack, ends, values, ids,
+    nodes, packs, tags, primitives, planes, camera_table, raster_from_object, stack, ends, values, ids,
     tile, first_column, first_row, columns, rows,
 ):  # fmt: skip
     """Fill the channels of a tile: values (height, width, 16), ids (height, width, 3), row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
+    accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     camera = camera_table[0]
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):

@@ -16,14 +16,14 @@ __all__ = ["trace_path_tile", "trace_path_tile_exact"]
 @kernel
 def trace_path_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes,
+    nodes, packs, tags, primitives, planes,
     header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
     media, instants, moving, cameras, background, rule_numbers,
     stack, ends, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some paths for every pixel of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
+    accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     lighting = (header, sky, sky_cumulative, emitters, blurred)
     camera, rules, moves = camera_table[0], rules_of(rule_numbers), cameras.shape[0] > 0
     eye = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])

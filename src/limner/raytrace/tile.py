@@ -22,7 +22,7 @@ _GRID_STEP = f32(1.0 / 256.0)
 @kernel
 def trace_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, primitives, corners, planes,
+    nodes, packs, tags, primitives, planes,
     header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
     media, instants, moving, cameras, sample_places, background, rule_numbers,
     pending, waiting, stack, ends, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
@@ -32,7 +32,7 @@ def trace_tile(
     `sample_places` is empty where each pixel draws its own.
     """
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
-    accelerator = (nodes, primitives, corners, planes, exact_tables(attributes, slots, ends))
+    accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     lighting = (header, sky, sky_cumulative, emitters, blurred)
     camera, rules, moves = camera_table[0], rules_of(rule_numbers), cameras.shape[0] > 0
     eye = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])

@@ -39,7 +39,7 @@ def first_hit_point(scene, accelerator, camera, raster_from_object, hit, x: np.f
     """The surface point of a camera ray's hit, from the raster point, by the function that the rasteriser calls."""
     instances, meshes, positions, triangles, _, _, _, _, _, _ = scene
     if hit.triangle < 0:
-        return exact_at(instances[hit.instance], accelerator[4], view_ray(camera, x, y), hit.t, hit.triangle, hit.u, hit.v)
+        return exact_at(instances, hit.instance, accelerator[5], view_ray(camera, x, y), hit.t, hit.triangle, hit.u, hit.v)
     mesh = meshes[instances[hit.instance]["mesh"]]
     row = mesh["triangle"] + hit.triangle
     v0 = to_raster(raster_from_object, hit.instance, _vertex(positions, mesh, triangles[row, 0]))
@@ -54,7 +54,7 @@ def hit_point(scene, accelerator, hit, o: Vec3, d: Vec3) -> SurfacePoint:
     instances, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
     instance = instances[hit.instance]
     if hit.triangle < 0:
-        return exact_at(instance, accelerator[4], ray_without_view(o, d), hit.t, hit.triangle, hit.u, hit.v)
+        return exact_at(instances, hit.instance, accelerator[5], ray_without_view(o, d), hit.t, hit.triangle, hit.u, hit.v)
     w = barycentrics_of_hit(hit.u, hit.v)
     return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], hit.triangle, w)
 
@@ -81,7 +81,7 @@ def lens_hit_point(scene, accelerator, hit, ray: ViewRay) -> SurfacePoint:
     instances, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
     instance = instances[hit.instance]
     if hit.triangle < 0:
-        return exact_at(instance, accelerator[4], ray, hit.t, hit.triangle, hit.u, hit.v)
+        return exact_at(instances, hit.instance, accelerator[5], ray, hit.t, hit.triangle, hit.u, hit.v)
     mesh = meshes[instance["mesh"]]
     row = mesh["triangle"] + hit.triangle
     v0, v1 = _vertex(positions, mesh, triangles[row, 0]), _vertex(positions, mesh, triangles[row, 1])

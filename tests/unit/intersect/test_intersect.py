@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from limner._door import Array
 from limner._jit import kernel
-from limner.intersect.box import enter_box
+from limner.intersect.box import meet_box
 from limner.intersect.plane import intersect_plane
 from limner.intersect.sphere import intersect_sphere
-from limner.intersect.triangle import intersect_triangle, turned_ray
-from limner.kernel.vec import ONE, Vec3
+from limner.intersect.triangle import hit_triangle, turned_ray
+from limner.kernel.vec import ONE, ZERO, Vec3
 
 INF = np.float32(np.inf)
 N = 2000
@@ -23,7 +23,11 @@ N = 2000
 def _triangles(corners, rays, out):
     for k in range(rays.shape[0]):
         ray = turned_ray(Vec3(rays[k, 0], rays[k, 1], rays[k, 2]), Vec3(rays[k, 3], rays[k, 4], rays[k, 5]))
-        hit = intersect_triangle(ray, corners, k, rays[k, 6], rays[k, 7])
+        x, y, z = ray.kx, ray.ky, ray.kz
+        a = Vec3(corners[k, x], corners[k, y], corners[k, z])
+        b = Vec3(corners[k, 3 + x], corners[k, 3 + y], corners[k, 3 + z])
+        c = Vec3(corners[k, 6 + x], corners[k, 6 + y], corners[k, 6 + z])
+        hit = hit_triangle(ray, a, b, c, rays[k, 6], rays[k, 7])
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = hit.t, hit.u, hit.v, hit.facing
 
 
@@ -32,7 +36,11 @@ def _boxes(boxes, rays, out):
     for k in range(rays.shape[0]):
         o, d = Vec3(rays[k, 0], rays[k, 1], rays[k, 2]), Vec3(rays[k, 3], rays[k, 4], rays[k, 5])
         inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
-        out[k, 0] = enter_box(boxes[k], 0, o, inverse, rays[k, 6], rays[k, 7])
+        low, high = Vec3(boxes[k, 0], boxes[k, 1], boxes[k, 2]), Vec3(boxes[k, 3], boxes[k, 4], boxes[k, 5])
+        near = Vec3(high.x if inverse.x < 0 else low.x, high.y if inverse.y < 0 else low.y, high.z if inverse.z < 0 else low.z)
+        far = Vec3(low.x if inverse.x < 0 else high.x, low.y if inverse.y < 0 else high.y, low.z if inverse.z < 0 else high.z)
+        enter, leave = meet_box(near, far, o, inverse, rays[k, 6], rays[k, 7], ZERO)
+        out[k, 0] = enter if enter <= leave else np.float32(np.inf)
 
 
 def _run(entry: object, shapes: object, o: object, d: object, t_min: float = 0.0, t_max: float = np.inf) -> NDArray[np.float32]:

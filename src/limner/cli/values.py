@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-__all__ = ["BACKGROUND", "TRIPLE", "WORDS", "Background", "Triple"]
+__all__ = ["BACKGROUND", "INTERVAL", "TRIPLE", "WORDS", "Background", "Triple"]
 
 Triple = tuple[float, float, float]
 Background = Triple | str
@@ -55,6 +55,21 @@ class _BackgroundType(click.ParamType[Background]):
         return numbers
 
 
+class _IntervalType(click.ParamType[tuple[float, float]]):
+    name = "first,last"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
+        if isinstance(value, tuple):
+            return value
+        try:
+            first, last = (float(part) for part in str(value).split(","))
+        except ValueError:
+            self.fail(f"expected two numbers FIRST,LAST, got {value!r}", param, ctx)
+        if not (math.isfinite(first) and math.isfinite(last) and first <= last):
+            self.fail(f"expected two finite numbers, the second not below the first, got {value!r}", param, ctx)
+        return first, last
+
+
 class _WordsType(click.ParamType[tuple[str, ...]]):
     """Names with commas between them, each once."""
 
@@ -67,5 +82,6 @@ class _WordsType(click.ParamType[tuple[str, ...]]):
 
 
 TRIPLE = _TripleType()
+INTERVAL = _IntervalType()
 BACKGROUND = _BackgroundType()
 WORDS = _WordsType()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 
-__all__ = ["Triple", "finite", "matrix4", "positive", "triple", "unit_interval"]
+__all__ = ["Triple", "finite", "matrix4", "numbers", "positive", "triple", "unit_interval"]
 
 Triple = tuple[float, float, float]
 
@@ -65,7 +65,19 @@ def matrix4(value: Any, name: str) -> NDArray[np.float64]:
         raise SceneError(f"{name} must be a 4x4 matrix, got shape {matrix.shape}")
     if not np.isfinite(matrix).all():
         raise SceneError(f"{name} must be finite")
-    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), atol=1e-9):
+    x, y, z, w = matrix[3].tolist()
+    if max(abs(x), abs(y), abs(z), abs(w - 1.0)) > 1e-9:
         raise SceneError(f"{name} must be affine: its last row must be 0 0 0 1, got {matrix[3]}")
     matrix.flags.writeable = False
     return matrix
+
+
+def numbers(value: Any, name: str) -> NDArray[np.float64]:
+    """Return `value` as a float64 array of finite numbers, of any shape."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(f"{name} must be numbers, got {type(value).__name__}") from None
+    if not np.isfinite(array).all():
+        raise SceneError(f"{name} must be finite")
+    return array

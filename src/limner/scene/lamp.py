@@ -57,7 +57,7 @@ def with_lamps(scene: Scene, time: float = 0.0) -> Scene:
     lamps = tuple(
         Node(
             light.name or f"{placed.path}/lamp", light_frame(placed.world_from_object),
-            shapes=(LampShape(_surface(light), (_glow(light),), index),),
+            shapes=(LampShape(_surface(light), (_glow(light),), light=index),),
         )
         for index, (placed, light) in enumerate(scene.lights(time))
         if isinstance(light, AreaLight) and light.visible

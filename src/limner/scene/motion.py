@@ -18,9 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 from ..linear import transform
 from ..linear.decompose import interpolate
-from ._values import finite, triple
+from ._values import finite, numbers, triple
+from .track import Track
 
-__all__ = ["Motion"]
+__all__ = ["KeyedMotion", "Motion"]
 
 _LARGEST_TURN = 90.0  # degrees between two poses: slerp goes the short way round, and half a turn has none
 
@@ -41,7 +42,7 @@ class Motion:
     poses: NDArray[np.float64]
 
     def __post_init__(self) -> None:
-        times, poses = _numbers(self.times, "motion.times"), _numbers(self.poses, "motion.poses")
+        times, poses = numbers(self.times, "motion.times"), numbers(self.poses, "motion.poses")
         if times.ndim != 1 or not len(times):
             raise SceneError(f"motion.times must be a list of times, got shape {times.shape}")
         if poses.shape != (len(times), 4, 4):
@@ -91,14 +92,32 @@ class Motion:
         return interpolate(self.poses[k], self.poses[k + 1], share)
 
 
-def _numbers(value: Any, name: str) -> NDArray[np.float64]:
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise SceneError(f"{name} must be numbers, got {type(value).__name__}") from None
-    if not np.isfinite(array).all():
-        raise SceneError(f"{name} must be finite")
-    return array
+@dataclass(frozen=True, eq=False)
+class KeyedMotion:
+    """A translation, a rotation and a scale, each with keys of its own, as animations of glTF have them.
+
+    Parameters
+    ----------
+    translation, scale : Track of three numbers
+    rotation : Track that rotates
+
+    At a time t the pose is ``T(t) R(t) S(t)``; a scale may pass through zero.
+    """
+
+    translation: Track
+    rotation: Track
+    scale: Track
+
+    def __post_init__(self) -> None:
+        for name, width in (("translation", 3), ("rotation", 4), ("scale", 3)):
+            track = getattr(self, name)
+            if not isinstance(track, Track) or track.width != width or track.rotates != (name == "rotation"):
+                expected = "a Track that rotates" if name == "rotation" else "a Track of three numbers"
+                raise SceneError(f"motion.{name} must be {expected}, got {type(track).__name__}")
+
+    def at(self, time: ArrayLike) -> NDArray[np.float64]:
+        """The pose at a time, (4, 4), or at many, (..., 4, 4); float64."""
+        return transform.compose_trs(self.translation.at(time), self.rotation.at(time), self.scale.at(time))
 
 
 def _span(start: Any, end: Any) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import dataclasses
 import importlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import LimnerError, SceneError
 from ._values import Triple, triple
+from .animation import Animation
 from .camera import Camera
 from .environment import Environment
 from .fog import Fog
@@ -42,6 +44,8 @@ class Scene:
         Light from all around.
     fog : Fog, optional
         What the air is full of; for `ray` and `path`.
+    animations : tuple of Animation
+        What its nodes and materials can do; see `at`.
 
     A change is a copy: ``scene.replace(camera=...)``.
     """
@@ -53,6 +57,7 @@ class Scene:
     notes: tuple[str, ...] = ()
     environment: Environment | None = None
     fog: Fog | None = None
+    animations: tuple[Animation, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.root, Node):
@@ -61,6 +66,10 @@ class Scene:
             raise SceneError(f"scene.environment must be an Environment, got {type(self.environment).__name__}")
         if self.fog is not None and not isinstance(self.fog, Fog):
             raise SceneError(f"scene.fog must be a Fog, got {type(self.fog).__name__}")
+        object.__setattr__(self, "animations", tuple(self.animations))
+        for animation in self.animations:
+            if not isinstance(animation, Animation):
+                raise SceneError(f"scene.animations must be Animations, got {type(animation).__name__}")
         if isinstance(self.background, str):
             if self.background != "environment":
                 raise SceneError(f'scene.background must be three numbers, "environment" or None, got {self.background!r}')
@@ -73,13 +82,26 @@ class Scene:
         """Return a copy with the given fields changed."""
         return dataclasses.replace(self, **changes)
 
+    def at(self, time: float, animation: str | int | None = None) -> Scene:
+        """The scene as it is at a time, in seconds, of an animation (its name or number; None: the first); see `limner.scene.pose.at`."""
+        pose = importlib.import_module(".pose", __package__)
+        moment: Scene = pose.at(self, time, animation)
+        return moment
+
     def walk(self, time: ArrayLike = 0.0) -> Iterator[Placed]:
         """The visible nodes, parents first, as they stand at a time, or at k times at once."""
         return self.root.walk(hidden=False, time=time)
 
     def shapes(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Shape]]:
         """Every visible shape with the node that shows it, in the order of the graph: the order of instance ids."""
+        if isinstance(time, float) and time == 0.0:
+            return list(self._shapes_at_first)
         return [(placed, shape) for placed in self.walk(time) for shape in placed.node.shapes]
+
+    @cached_property
+    def _shapes_at_first(self) -> list[tuple[Placed, Shape]]:
+        """Of time 0: asked for many times for every picture."""
+        return [(placed, shape) for placed in self.walk() for shape in placed.node.shapes]
 
     def lights(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Light]]:
         """Every visible light with its node."""
@@ -114,16 +136,25 @@ class Scene:
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) float64: least and greatest corner of all bounded shapes in the world; (inf, -inf) where there are none."""
-        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        boxes: dict[int, NDArray[np.float64] | None] = {}
+        found, places = [], []
         for placed, shape in self.shapes():
-            box = _object_bounds(shape)
-            if box is None or not np.isfinite(box).all():
-                continue
-            corners = np.array([[box[i, 0], box[j, 1], box[k, 2], 1.0] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-            world = (placed.world_from_object @ corners.T).T[:, :3]
-            if np.isfinite(world).all():
-                low, high = np.minimum(low, world.min(axis=0)), np.maximum(high, world.max(axis=0))
-        return np.array([low, high])
+            if id(shape) not in boxes:
+                boxes[id(shape)] = _object_bounds(shape)
+            box = boxes[id(shape)]
+            if box is not None:
+                found.append(box)
+                places.append(placed.world_from_object)
+        if not found:
+            return np.array([[np.inf] * 3, [-np.inf] * 3])
+        corners = np.array(found)[:, _CORNERS, np.arange(3)]
+        matrices = np.array(places)
+        world = corners @ np.swapaxes(matrices[:, :3, :3], 1, 2) + matrices[:, None, :3, 3]
+        world = world[np.isfinite(world).all(axis=(1, 2))].reshape(-1, 3)
+        return np.array([world.min(axis=0, initial=np.inf), world.max(axis=0, initial=-np.inf)])
+
+
+_CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
 def _object_bounds(shape: Shape) -> NDArray[np.float64] | None:
@@ -131,8 +162,10 @@ def _object_bounds(shape: Shape) -> NDArray[np.float64] | None:
     if isinstance(geometry, Plane):
         return None
     box = geometry.bounds
+    if shape.displacement is not None:
+        box = box + np.array([[-shape.displacement.reach], [shape.displacement.reach]])
     # Parts of an intersection that do not meet leave nothing.
-    return box if (box[0] <= box[1]).all() else None
+    return box if (box[0] <= box[1]).all() and np.isfinite(box).all() else None
 
 
 def _rigid(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,16 +7,17 @@ an attribute is given per vertex its index array is left out and the triangles' 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
 
-__all__ = ["Mesh", "read_only"]
+__all__ = ["Attributes", "Mesh", "named_scalars", "read_only"]
 
 Floats = NDArray[np.float32]
 Indices = NDArray[np.int32]
@@ -40,6 +41,34 @@ def read_only(array: Any, dtype: Any, columns: tuple[int, ...], name: str) -> ND
         made = made if made.base is None and made is not array else made.view()
         made.flags.writeable = False
     return made
+
+
+def named_scalars(given: Any, count: int, field: str) -> dict[str, NDArray[np.float32]] | None:
+    """Return numbers by name, each as a read-only (count,) float32; None where there are none."""
+    if not given:
+        return None
+    if not isinstance(given, Mapping):
+        raise SceneError(f"{field} must map names to arrays, got {type(given).__name__}")
+    made = {}
+    for name, values in given.items():
+        array = read_only(np.asarray(values).reshape(-1, 1), np.float32, (1,), f"{field}[{name!r}]").reshape(-1)
+        if len(array) != count:
+            raise SceneError(f"{field}[{name!r}] must have {count} numbers, got {len(array)}")
+        made[str(name)] = array
+    return made
+
+
+class Attributes(dict[str, NDArray[Any]]):
+    """Named arrays that cannot be changed; a dictionary in all else."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("attributes cannot be changed; dataclasses.replace makes a mesh with others")
+
+    __setitem__ = __delitem__ = __ior__ = update = setdefault = pop = popitem = clear = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Filling it item by item, as a dictionary is copied and pickled, would be a change.
+        return Attributes, (dict(self),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +98,12 @@ class Mesh:
     triangle_materials : (m,) int32, optional
         Index into the materials of the shape that shows the mesh; None: all 0.
     name : str
+    scalars : mapping of str to (n,) float32, optional
+        What else is known at each position, by name, to be shown by `limner.color_by`.
+    vertex_attributes, edge_attributes, face_attributes : mapping of str to array, optional
+        Named values of whatever meaning: one row for each position, edge or triangle, numbers or booleans of any shape. Edges are counted
+        and numbered as `limner.mesh.adjacency` does: once each, their lesser vertex first, in lexicographic order. No renderer looks at
+        them; `limner.mesh.repair` keeps them.
 
     Raises SceneError where shapes do not fit, an index is out of range, or a position is not finite.
     """
@@ -84,6 +119,10 @@ class Mesh:
     tangents: Floats | None = None
     triangle_materials: Indices | None = None
     name: str = ""
+    scalars: Mapping[str, Floats] | None = None
+    vertex_attributes: Mapping[str, NDArray[Any]] | None = None
+    edge_attributes: Mapping[str, NDArray[Any]] | None = None
+    face_attributes: Mapping[str, NDArray[Any]] | None = None
 
     def __post_init__(self) -> None:
         def put(field: str, value: Any) -> None:
@@ -116,12 +155,43 @@ class Mesh:
             raise SceneError("mesh.uvs1 must have as many rows as mesh.uvs", self.name)
         if self.tangents is not None and (self.normals is None or len(self.tangents) != len(self.normals)):
             raise SceneError("mesh.tangents must have as many rows as mesh.normals", self.name)
+        put("scalars", named_scalars(self.scalars, len(self.positions), "mesh.scalars"))
         if self.triangle_materials is not None:
             slots = np.array(self.triangle_materials, dtype=np.int32, order="C").reshape(-1)
             if len(slots) != len(self.triangles) or (slots.size and slots.min() < 0):
                 raise SceneError("mesh.triangle_materials must hold one index >= 0 per triangle", self.name)
             slots.flags.writeable = False
             put("triangle_materials", slots)
+        for field, rows, one in (("vertex_attributes", self.positions, "position"), ("face_attributes", self.triangles, "triangle")):
+            if getattr(self, field) is not None:
+                put(field, self._attributes(field, len(rows), one))
+        if self.edge_attributes is not None:
+            put("edge_attributes", self._attributes("edge_attributes", self._n_edges(), "edge"))
+
+    def _attributes(self, field: str, n_rows: int, one: str) -> Attributes | None:
+        given = getattr(self, field)
+        if not isinstance(given, Mapping):
+            raise SceneError(f"mesh.{field} must map names to arrays, got {type(given).__name__}", self.name)
+        made = {}
+        for name, values in given.items():
+            if not isinstance(name, str):
+                raise SceneError(f"mesh.{field} must have names that are strings, got {name!r}", self.name)
+            try:
+                array = np.array(values, order="C")
+            except ValueError as error:
+                raise SceneError(f"mesh.{field}[{name!r}] must be an array: {error}", self.name) from None
+            if array.dtype.kind not in "biufc":
+                raise SceneError(f"mesh.{field}[{name!r}] must be numbers or booleans, got {array.dtype}", self.name)
+            if array.ndim < 1 or len(array) != n_rows:
+                raise SceneError(f"mesh.{field}[{name!r}] must have one row per {one} ({n_rows}), got shape {array.shape}", self.name)
+            array.flags.writeable = False
+            made[name] = array
+        return Attributes(made) or None
+
+    def _n_edges(self) -> int:
+        from .adjacency import adjacency
+
+        return len(adjacency(self).edges)
 
     def _indices(self, field: str, limit: int) -> NDArray[np.int32]:
         given = np.asarray(getattr(self, field))

@@ -9,23 +9,28 @@ whatever the path, so the same mesh gets the same bits.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 
-__all__ = ["crease_normals", "face_normals", "vertex_normals"]
+__all__ = ["DEGENERATE", "Columns", "are_degenerate", "crease_normals", "face_normals", "inner", "triangle_vectors", "vertex_normals"]
 
 Floats = NDArray[np.float64]
+Columns: TypeAlias = tuple[Floats, Floats, Floats]
 
 # A triangle whose area falls below this share of its longest edge's square has no direction worth averaging.
-_DEGENERATE = 1e-12
+DEGENERATE = 1e-12
 # Faces that differ by just the crease angle belong together in spite of rounding.
 _ANGLE_SLACK = 1e-6
 # Pairs of faces around creased vertices that are compared at a time: bounds the memory where thousands of faces meet.
 _PAIRS_AT_ONCE = 1 << 22
 _ANY_NORMAL = (0.0, 0.0, 1.0)
+# Triangles at a time that stay in the cache from one step to the next.
+_BLOCK = 1 << 14
 
 
 def face_normals(positions: ArrayLike, triangles: ArrayLike) -> Floats:
@@ -47,7 +52,7 @@ def face_normals(positions: ArrayLike, triangles: ArrayLike) -> Floats:
     >>> face_normals([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 1, 1]]).tolist()
     [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]
     """
-    return _faces(*_arrays(positions, triangles))[0]
+    return np.stack(_faces(*_arrays(positions, triangles))[0], axis=1)
 
 
 def vertex_normals(positions: ArrayLike, triangles: ArrayLike) -> NDArray[np.float32]:
@@ -66,9 +71,8 @@ def vertex_normals(positions: ArrayLike, triangles: ArrayLike) -> NDArray[np.flo
     **Source**: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", *Journal of Graphics Tools* 3(1), 1998.
     """
     points, corners = _arrays(positions, triangles)
-    normals, angles = _faces(points, corners)
-    weighted = (angles[:, :, None] * normals[:, None, :]).reshape(-1, 3)
-    return _unit(_sum_by(corners.reshape(-1), weighted, len(points))).astype(np.float32)
+    normal, angles = _faces(points, corners)
+    return _means(corners, normal, angles, len(points)).astype(np.float32)
 
 
 def crease_normals(
@@ -102,16 +106,18 @@ def crease_normals(
     if not 0.0 <= crease_degrees <= 180.0:
         raise SceneError(f"crease_degrees must lie in [0, 180], got {crease_degrees}")
     points, corners = _arrays(positions, triangles)
-    normals, angles = _faces(points, corners)
+    normal, angles = _faces(points, corners)
     vertex = corners.reshape(-1)
-    own = np.repeat(normals, 3, axis=0)
-    weighted = angles.reshape(-1, 1) * own
-    means = _unit(_sum_by(vertex, weighted, len(points)))
-    creased = _creased_vertices(vertex, own, means, crease_degrees)
-    picked = np.flatnonzero(creased[vertex] & own.any(axis=1))
+    means = _means(corners, normal, angles, len(points))
+    creased = _creased_vertices(corners, normal, means, crease_degrees)
+    picked = np.flatnonzero(creased[vertex]) if creased.any() else np.zeros(0, dtype=np.int64)
+    own = np.stack([part[picked // 3] for part in normal], axis=1)
+    known = own.any(axis=1)
+    picked, own = picked[known], own[known]
     if not len(picked):
         return means.astype(np.float32), corners.astype(np.int32)
-    split = _unit(_sum_over_crease(picked, vertex, own, weighted, crease_degrees)).astype(np.float32)
+    weighted = angles.reshape(-1)[picked, None] * own
+    split = _unit(_sum_over_crease(vertex[picked], own, weighted, crease_degrees)).astype(np.float32)
     shared, index = _share_equal(vertex[picked], split)
     normal_triangles = vertex.astype(np.int32)
     normal_triangles[picked] = len(points) + index
@@ -126,25 +132,83 @@ def _arrays(positions: ArrayLike, triangles: ArrayLike) -> tuple[Floats, NDArray
     return points, corners
 
 
-def _faces(points: Floats, corners: NDArray[np.int64]) -> tuple[Floats, Floats]:
-    """(m, 3) unit normals and (m, 3) angles of the corners; both zero for degenerate triangles."""
-    a, b, c = (points[corners[:, k]] for k in range(3))
-    edges = (b - a, c - b, a - c)
-    normal = _cross(edges[0], -edges[2])
-    double_area = np.sqrt(_dot(normal, normal))
-    longest = np.max([_dot(e, e) for e in edges], axis=0)
-    valid = double_area > _DEGENERATE * longest
-    # + 0.0 turns -0.0 into 0.0, so that equal normals have equal bits.
-    normal = normal * np.where(valid, 1.0 / np.where(valid, double_area, 1.0), 0.0)[:, None] + 0.0
+def _faces(points: Floats, corners: NDArray[np.int64]) -> tuple[Columns, Floats]:
+    """Unit normals, as three columns (m,), and (m, 3) angles of the corners; both zero for degenerate triangles."""
+    n_faces = len(corners)
+    normal, angles = (np.empty(n_faces), np.empty(n_faces), np.empty(n_faces)), np.empty((n_faces, 3))
+    for start in range(0, n_faces, _BLOCK):
+        part = slice(start, start + _BLOCK)
+        own = points.take(corners[part].reshape(-1), axis=0)
+        x, y, z = normal
+        _fill_faces(own, np.arange(len(own)).reshape(-1, 3), (x[part], y[part], z[part]), angles[part])
+    return normal, angles
+
+
+def _fill_faces(points: Floats, corners: NDArray[np.int64], normal: Columns, angles: Floats) -> None:
+    e, f, g, across = triangle_vectors(points, corners)
+    double_area = np.sqrt(inner(across, across))
+    valid = double_area > DEGENERATE * _longest(e, f, g)
+    scale = np.where(valid, 1.0 / np.where(valid, double_area, 1.0), 0.0)
     # atan2(|cross|, dot) keeps its digits where the arc cosine loses them; |cross| is the double area at every corner.
-    angles = np.stack([np.arctan2(double_area, -_dot(edges[k], edges[k - 1])) for k in range(3)], axis=1)
-    return normal, np.where(valid[:, None], angles, 0.0)
+    for corner, (ahead, behind) in enumerate(((e, g), (f, e), (g, f))):
+        angles[:, corner] = np.arctan2(double_area, -inner(ahead, behind))
+    if not valid.all():
+        angles[~valid] = 0.0
+    for column, part in zip(normal, across, strict=True):
+        # + 0.0 turns -0.0 into 0.0, so that equal normals have equal bits.
+        column[:] = part * scale + 0.0
 
 
-def _cross(p: Floats, q: Floats) -> Floats:
-    x, y, z = p.T
-    a, b, c = q.T
-    return np.stack([y * c - z * b, z * a - x * c, x * b - y * a], axis=1)
+def _means(corners: NDArray[np.int64], normal: Columns, angles: Floats, count: int) -> Floats:
+    """(count, 3): the unit mean of the normals around each vertex, weighted by their angles there, summed in their order."""
+    vertex = corners.reshape(-1)
+    weights = ((angles * part[:, None]).reshape(-1) for part in normal)
+    sums = [np.asarray(np.bincount(vertex, weights=weight, minlength=count), dtype=np.float64) for weight in weights]
+    return np.stack(_unit_columns(sums), axis=1)
+
+
+def triangle_vectors(points: Floats, corners: NDArray[Any]) -> tuple[Columns, Columns, Columns, Columns]:
+    """The sides of triangles from corner to corner, and the cross product of the first two: three columns (m,) float64 each.
+
+    Columns are read and written in one go, where rows of three would be picked apart.
+    """
+    x, y, z = np.ascontiguousarray(points.T)
+    i, j, k = np.ascontiguousarray(corners.T)
+    a, b, c = ((x[v], y[v], z[v]) for v in (i, j, k))
+    e, f, g = _minus(b, a), _minus(c, b), _minus(a, c)
+    back = (-g[0], -g[1], -g[2])
+    normal = (e[1] * back[2] - e[2] * back[1], e[2] * back[0] - e[0] * back[2], e[0] * back[1] - e[1] * back[0])
+    return e, f, g, normal
+
+
+def are_degenerate(points: Floats, corners: NDArray[Any]) -> NDArray[np.bool_]:
+    """(m,) bool: which triangles have no area worth a direction."""
+    e, f, g, normal = triangle_vectors(points, corners)
+    return np.asarray(~(np.sqrt(inner(normal, normal)) > DEGENERATE * _longest(e, f, g)))
+
+
+def _minus(p: Columns, q: Columns) -> Columns:
+    return p[0] - q[0], p[1] - q[1], p[2] - q[2]
+
+
+def inner(p: Columns, q: Columns) -> Floats:
+    """The inner products of two vectors in columns, (m,)."""
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+def _longest(e: Columns, f: Columns, g: Columns) -> Floats:
+    """The square of the longest side."""
+    return np.maximum(np.maximum(inner(e, e), inner(f, f)), inner(g, g))
+
+
+def _unit_columns(vectors: Sequence[Floats]) -> Columns:
+    x, y, z = vectors
+    length = np.sqrt(inner((x, y, z), (x, y, z)))
+    # Opposite faces cancel but for rounding; what is left is no direction.
+    known = length > 1e-9
+    scale = np.where(known, length, 1.0)
+    x, y, z = (np.where(known, part / scale, any_part) for part, any_part in zip((x, y, z), _ANY_NORMAL, strict=True))
+    return x, y, z
 
 
 def _dot(p: Floats, q: Floats) -> Floats:
@@ -157,44 +221,45 @@ def _sum_by(index: NDArray[np.int64], values: Floats, count: int) -> Floats:
 
 
 def _unit(vectors: Floats) -> Floats:
-    length = np.sqrt(_dot(vectors, vectors))
-    # Opposite faces cancel but for rounding; what is left is no direction.
-    known = length > 1e-9
-    return np.where(known[:, None], vectors / np.where(known, length, 1.0)[:, None], _ANY_NORMAL)
+    x, y, z = np.ascontiguousarray(vectors.T)
+    return np.stack(_unit_columns((x, y, z)), axis=1)
 
 
-def _creased_vertices(vertex: NDArray[np.int64], own: Floats, means: Floats, crease_degrees: float) -> NDArray[np.bool_]:
+def _creased_vertices(corners: NDArray[np.int64], normal: Columns, means: Floats, crease_degrees: float) -> NDArray[np.bool_]:
     """Mark the vertices whose faces may differ by more than the crease angle.
 
     Faces within half the angle of their mean are within the angle of each other: those vertices, nearly all of a smooth mesh,
     need no pairs.
     """
     half = math.cos(math.radians(crease_degrees) / 2.0) - _ANGLE_SLACK
-    stray = (_dot(own, means[vertex]) < half) & own.any(axis=1)
     marked = np.zeros(len(means), dtype=bool)
-    if crease_degrees < 180.0:
-        marked[vertex[stray]] = True
+    for start in range(0, len(corners) if crease_degrees < 180.0 else 0, _BLOCK):
+        part = slice(start, start + _BLOCK)
+        x, y, z = (column[part] for column in normal)
+        known = (x != 0.0) | (y != 0.0) | (z != 0.0)
+        for vertex in corners[part].T:
+            mean = means.take(vertex, axis=0)
+            stray = (inner((x, y, z), (mean[:, 0], mean[:, 1], mean[:, 2])) < half) & known
+            marked[vertex[stray]] = True
     return marked
 
 
-def _sum_over_crease(
-    picked: NDArray[np.int64], vertex: NDArray[np.int64], own: Floats, weighted: Floats, crease_degrees: float
-) -> Floats:
-    """For each picked corner, sum the weighted normals of the picked corners of its vertex within the crease angle."""
+def _sum_over_crease(vertex: NDArray[np.int64], own: Floats, weighted: Floats, crease_degrees: float) -> Floats:
+    """For each corner, given with its vertex, sum the weighted normals of the corners of its vertex within the crease angle."""
     least = math.cos(math.radians(crease_degrees)) - _ANGLE_SLACK
-    order = np.argsort(vertex[picked], kind="stable")
-    _, start, count = np.unique(vertex[picked][order], return_index=True, return_counts=True)
+    order = np.argsort(vertex, kind="stable")
+    _, start, count = np.unique(vertex[order], return_index=True, return_counts=True)
     group_start, group_count = np.repeat(start, count), np.repeat(count, count)
     ends = np.cumsum(group_count)
-    sums = np.empty((len(picked), 3))
+    sums = np.empty((len(vertex), 3))
     begin = 0
-    while begin < len(picked):
+    while begin < len(vertex):
         done = ends[begin - 1] if begin else 0
         end = max(int(np.searchsorted(ends, done + _PAIRS_AT_ONCE, side="right")), begin + 1)
         first = np.repeat(np.arange(begin, end), group_count[begin:end])
         offset = np.arange(len(first)) - np.repeat(ends[begin:end] - group_count[begin:end] - done, group_count[begin:end])
-        second = picked[order[group_start[first] + offset]]
-        near = _dot(own[picked[order[first]]], own[second]) >= least
+        second = order[group_start[first] + offset]
+        near = _dot(own[order[first]], own[second]) >= least
         sums[order[begin:end]] = _sum_by(first[near] - begin, weighted[second[near]], end - begin)
         begin = end
     return sums

@@ -5,6 +5,9 @@ A tetrahedron whose corners lie on both sides of the surface is cut by it in a t
 
     one corner inside: three of its edges are crossed          two inside: four are
 
+`limner.mesh.marching_cubes` makes a third as many triangles, better shaped and with normals, and takes tables too; this one is all there is
+to it: tetrahedra leave nothing open, so that it needs no table of cases.
+
 **Source**: Doi and Koide, *An efficient method of triangulating equi-valued surfaces by using tetrahedral cells*, 1991.
 """
 
@@ -16,7 +19,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["level_set"]
+__all__ = ["crossings", "level_set"]
 
 Floats = NDArray[np.float64]
 _STEPS = 12
@@ -64,7 +67,7 @@ def level_set(
     found = [_cut_off(tetrahedra[(count == 1) | (count == 3)], inside), *_cut_through(tetrahedra[count == 2], inside)]
     crossed = np.concatenate(found).reshape(-1, 2)
     edges, edge_of = np.unique(np.sort(crossed, axis=1), axis=0, return_inverse=True)
-    positions = _crossings(f, points[edges[:, 0]], points[edges[:, 1]], inside[edges[:, 0]])
+    positions = crossings(f, points[edges[:, 0]], points[edges[:, 1]], inside[edges[:, 0]])
     triangles = edge_of.reshape(-1, 3).astype(np.int64)
     # Turn all to the side where f is positive: away from the ends of their edges that lie inside
     ends = np.where(inside[crossed[:, :1]], points[crossed[:, 0]], points[crossed[:, 1]]).reshape(-1, 3, 3).mean(axis=1)
@@ -89,8 +92,21 @@ def _cut_through(tetrahedra: NDArray[np.int64], inside: NDArray[np.bool_]) -> li
     return [np.stack([ac, ad, bd], axis=1), np.stack([ac, bd, bc], axis=1)]
 
 
-def _crossings(f: Callable[[Floats], Floats], a: Floats, b: Floats, a_inside: NDArray[np.bool_]) -> Floats:
-    """Where f changes its sign between a and b, by regula falsi that halves where it stalls."""
+def crossings(f: Callable[[Floats], Floats], a: Floats, b: Floats, a_inside: NDArray[np.bool_]) -> Floats:
+    """Find where f changes its sign between points, by regula falsi that halves where it stalls.
+
+    Parameters
+    ----------
+    f : callable
+        Takes points (k, 3) and returns (k,).
+    a, b : (k, 3) float64
+    a_inside : (k,) bool
+        Whether f is negative at a; at b it is the other way.
+
+    Returns
+    -------
+    (k, 3) float64
+    """
     low, high = np.where(a_inside[:, None], a, b), np.where(a_inside[:, None], b, a)
     at_low, at_high = f(low), f(high)
     middle = (low + high) / 2.0

@@ -61,7 +61,10 @@ Signature: TypeAlias = tuple[Array | Scalar, ...]
 
 _registry: dict[str, Door] = {}
 # What declares doors, when imported
-_DECLARING = ("limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages")
+_DECLARING = (
+    "limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages",
+    "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion",
+)  # fmt: skip
 
 
 def doors() -> dict[str, Door]:

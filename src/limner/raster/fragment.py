@@ -136,12 +136,12 @@ def _sort_groups(fragments: Fragments, n: int, n_groups: int):
 
 
 @kernel
-def _shade(point: SurfacePoint, material, camera, scene, lighting, shadowing):
+def _shade(point: SurfacePoint, instance, material, camera, scene, lighting, shadowing):
     """(radiance, alpha) of a surface point: emission, ambient light, the sky, and every light; without shadows, if `shadowing` is None."""
     _, _, _, _, _, _, _, lights, textures, texels = scene
     wo = direction_to_eye(camera, point.position)
     point = flip_to_front(point, wo)
-    bsdf = resolve(material, point, textures, texels)
+    bsdf = resolve(material, instance, point, textures, texels)
     if shadowing is not None and material["kind"] == SHADOW_CATCHER:
         black = spread(ZERO, point.u)
         return Color(black, black, black), ONE - lit_share(point, bsdf, wo, scene, lighting, shadowing)
@@ -172,7 +172,8 @@ def _gouraud(instance, triangle: i32x8, w: Barycentrics, material, camera, scene
     radiance, alpha = Color(splat8(ZERO), ZERO, ZERO), splat8(ZERO)
     for k in range(3):
         b0, b1, b2 = f32(k == 0), f32(k == 1), f32(k == 2)
-        c, a = _shade(_corner(scene, instance, triangle, b0, b1, b2, False), material, camera, scene, lighting, shadowing)
+        corner = _corner(scene, instance, triangle, b0, b1, b2, False)
+        c, a = _shade(corner, instance, material, camera, scene, lighting, shadowing)
         share = w.b0 if k == 0 else (w.b1 if k == 1 else w.b2)
         radiance, alpha = radiance + c * share, alpha + a * share
     return radiance, alpha
@@ -200,7 +201,8 @@ def _shade_eight(
     vertices, first_vertex, _ = frame
     instance, material = instances[instance_id], materials[material_id]
     if frequency == PER_TRIANGLE:
-        return _shade(_corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True), material, camera, scene, lighting, shadowing)
+        middle = _corner(scene, instance, triangle, _THIRD, _THIRD, _THIRD, True)
+        return _shade(middle, instance, material, camera, scene, lighting, shadowing)
     first_row, start = np.int64(meshes[instance["mesh"]]["triangle"]), first_vertex[instance_id]
     only = np.int64(lane(triangle, 0))
     if frequency == PER_VERTEX:
@@ -213,7 +215,7 @@ def _shade_eight(
     else:
         v0, v1, v2 = _vertices(vertices, triangles, triangle + first_row, start)
         point = visible_point(scene, camera, instance_id, triangle, v0, v1, v2, x, y)
-    return _shade(point, material, camera, scene, lighting, shadowing)
+    return _shade(point, instance, material, camera, scene, lighting, shadowing)
 
 
 @kernel

@@ -6,12 +6,16 @@ touch, which takes as long as the work itself.
 
 from __future__ import annotations
 
-from typing import Any
+import threading
+from collections.abc import Callable, Hashable
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = ["Memory"]
+
+T = TypeVar("T")
 
 _ROOM_TO_GROW = 1.25
 
@@ -21,6 +25,16 @@ class Memory:
 
     def __init__(self) -> None:
         self._kept: dict[str, NDArray[np.uint8]] = {}
+        self._of_threads: dict[int, tuple[Any, Any]] = {}
+
+    def of_thread(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What a thread made for itself the last time, or makes now; it is kept while it is asked for by the same key."""
+        thread = threading.get_ident()
+        found = self._of_threads.get(thread)
+        if found is None or found[0] != key:
+            found = self._of_threads[thread] = key, make()
+        made: T = found[1]
+        return made
 
     def array(self, name: str, shape: int | tuple[int, ...], dtype: Any) -> NDArray[Any]:
         """A C-contiguous array with anything in it; what had the name before is gone."""

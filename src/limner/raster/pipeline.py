@@ -220,6 +220,7 @@ def prepare(
         Of a picture before this one, which is done.
     """
     height, width = film.shape[:2]
+    memory = memory or Memory()
     reach = int(sample_places.min()), int(sample_places.max())
     vertices, bins = _geometry(
         tables, view, width, height, tile_size, threads, hidden_surfaces, clipping, tree, on_note, reach, culling, memory
@@ -229,7 +230,8 @@ def prepare(
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
-        scratch = _scratch(tile_size * tile_size * (8 if multisample and not has_blend else 1))
+        room = tile_size * tile_size * (8 if multisample and not has_blend else 1)
+        scratch = memory.of_thread(room, lambda: _scratch(room))
         door, rays = (_DRAW, ()) if shadows is None else (_DRAW_SHADOWED, _ray_arguments(shadows, tables))
         return door.bind(
             *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,

@@ -16,7 +16,7 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, luminance, max_component
 from ..shading.bsdf import Bsdf
 from ..shading.lights import Illumination, ambient_level, illuminate, lit_radiance
 from ..shading.sky import ambient_from_sky
-from ..shading.surface import Footprint, SurfacePoint
+from ..shading.surface import Footprint, SurfacePoint, no_detail
 from ..tables.layouts import AMBIENT_LIGHT
 from ..visibility.shadow import transmittance
 
@@ -45,7 +45,7 @@ def _point_of(point: SurfacePoint, k: int) -> SurfacePoint:
     footprint = Footprint(ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
     return SurfacePoint(
         _vector_of(point.position, k), n, n, n, ONE, ZERO, ZERO, ZERO, ZERO, Color(ONE, ONE, ONE), ONE, footprint, np.int64(0),
-        _vector_of(point.bulge, k), lane(point.reach, k),
+        _vector_of(point.bulge, k), lane(point.reach, k), no_detail(ZERO),
     )  # fmt: skip
 
 

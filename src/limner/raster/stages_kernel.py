@@ -14,7 +14,7 @@ from ..kernel.vec import ONE, ZERO
 from ..shading.anisotropy import probes_of_footprint, reduction_along
 from ..shading.surface import barycentrics_at
 from ..shading.visible import visible_point
-from ..tables.layouts import ANISOTROPIC, RIPMAP, TRILINEAR
+from ..tables.layouts import ANISOTROPIC, PICTURE, RIPMAP, TRILINEAR
 from .layouts import SUBPIXELS
 
 __all__ = ["count_coverage", "describe_pixels"]
@@ -112,5 +112,5 @@ def describe_pixels(
             barycentrics[j, i, 0], barycentrics[j, i, 1], barycentrics[j, i, 2] = w.b0, w.b1, w.b2
             point = visible_point(scene, camera, instance, triangle, v0, v1, v2, f32(i), f32(j))
             texture = materials[point.material]["color_texture"]
-            if texture >= 0:
+            if texture >= 0 and textures[texture]["kind"] == PICTURE:
                 levels[j, i] = _mip_level(textures[texture], point.footprint)

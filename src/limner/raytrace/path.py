@@ -22,7 +22,7 @@ from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
-from ..shading.bsdf import eval_bsdf, resolve
+from ..shading.bsdf import eval_bsdf, resolve, shading_normal, tint_at
 from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.glossy import scatter_in_square
@@ -222,7 +222,7 @@ def path_radiance(
         else:
             point = first_hit_point(scene, accelerator, camera, raster_from_object, hit, x, y)
             wo = direction_to_eye(camera, point.position)
-        material = materials[point.material]
+        material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
         is_front = dot(point.n, wo) >= ZERO
         point = flip_to_front(point, wo)
         if material["kind"] == DIELECTRIC:
@@ -236,28 +236,29 @@ def path_radiance(
                 break
             roughness2 = material["roughness"] * material["roughness"]
             if roughness2 > ZERO:
-                bsdf = resolve(material, point, textures, texels)
+                bsdf = resolve(material, owner, point, textures, texels)
                 total = total + throughput * _from_lights(
                     scene, accelerator, media, inside, rules, sampler, light_dimension, point, bsdf, True, wo, stack
                 )
             light_dimension -= lights.shape[0]
             u, v = draw_2d(sampler, dimension)
             n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
-            ways = meet_interface(material["fresnel"], roughness2, point.n, point.ns, -wo, n_i, n_t, u, v)
+            ns = shading_normal(material, owner, point, textures, texels)
+            ways = meet_interface(material["fresnel"], roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
             if draw_1d(sampler, dimension + 1) * both < ways.reflectance:
                 o, d, looks_through = off_surface(point, point.n), ways.reflected, False
                 throughput = throughput * both
             else:
                 squeeze = n_i / n_t
-                tint = Color(material["color"][0], material["color"][1], material["color"][2])
+                tint = tint_at(material, point, textures, texels)
                 o, d, inside = off_surface(point, -point.n), ways.transmitted, crossing.inside
                 throughput = throughput * tint * (both * squeeze * squeeze)
                 was_asked = rules.tinted != 0 and not as_seen
             pdf, by_chance_only, last = ZERO, True, point.position
             dimension += _PER_SURFACE
         else:
-            bsdf = resolve(material, point, textures, texels)
+            bsdf = resolve(material, owner, point, textures, texels)
             u1, v1 = draw_2d(sampler, dimension)
             u2, v2 = draw_2d(sampler, dimension + 1)
             choice = draw_1d(sampler, dimension + 2)

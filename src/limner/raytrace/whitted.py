@@ -22,7 +22,7 @@ from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
-from ..shading.bsdf import eval_bsdf, resolve
+from ..shading.bsdf import eval_bsdf, resolve, shading_normal, tint_at
 from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.glossy import pdf_facets, sample_facets, scatter_in_square, without_facets
@@ -192,8 +192,8 @@ def _push(
 
 @outlined
 def _push_both(
-    pending, waiting, top: int, media, material, sampler: Sampler, first: int, point: SurfacePoint, d: Vec3, throughput: Color, crossing,
-    reflections: int, inside: int, node: int, looks_through: int,
+    pending, waiting, top: int, media, material, tint: Color, sampler: Sampler, first: int, point: SurfacePoint, ns: Vec3, d: Vec3,
+    throughput: Color, crossing, reflections: int, inside: int, node: int, looks_through: int,
 ) -> int:  # fmt: skip
     """Let the rays wait that leave the surface of a dielectric: the reflected one, and the refracted one."""
     roughness2 = material["roughness"] * material["roughness"]
@@ -201,8 +201,7 @@ def _push_both(
     if roughness2 > ZERO:
         u, v = draw_2d(sampler, first + _WHICH_FACET)
     n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
-    ways = meet_interface(material["fresnel"], roughness2, point.n, point.ns, normalize(d), n_i, n_t, u, v)
-    tint = Color(material["color"][0], material["color"][1], material["color"][2])
+    ways = meet_interface(material["fresnel"], roughness2, point.n, ns, normalize(d), n_i, n_t, u, v)
     squeeze = n_i / n_t
     above, below = off_surface(point, point.n), off_surface(point, -point.n)
     top = _push(
@@ -296,7 +295,7 @@ def radiance(
                 wo = normalize(-d)
             is_front = dot(point.n, wo) >= ZERO
             point = flip_to_front(point, wo)
-            material = materials[point.material]
+            material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
             first = node * per_node
             if material["kind"] == DIELECTRIC:
                 crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
@@ -308,18 +307,20 @@ def radiance(
                     o, inside, t_min, t_max, t_done = off_surface(point, -point.n), crossing.inside, ZERO, _INFINITY, ZERO
                     continue
                 if material["roughness"] > ZERO:
-                    bsdf = resolve(material, point, textures, texels)
+                    bsdf = resolve(material, owner, point, textures, texels)
                     local = Color(ZERO, ZERO, ZERO)
                     total = total + throughput * _with_lights(
                         local, scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, True, wo, stack
                     )
                 if reflections < rules.max_depth:
+                    tint = tint_at(material, point, textures, texels)
+                    ns = shading_normal(material, owner, point, textures, texels)
                     top = _push_both(
-                        pending, waiting, top, media, material, sampler, first + lights.shape[0], point, d, throughput, crossing,
+                        pending, waiting, top, media, material, tint, sampler, first + lights.shape[0], point, ns, d, throughput, crossing,
                         reflections, inside, node, looks_through,
                     )  # fmt: skip
             else:
-                bsdf = resolve(material, point, textures, texels)
+                bsdf = resolve(material, owner, point, textures, texels)
                 alpha = bsdf.alpha
                 goes_on = reflections < rules.max_depth
                 glossy = rules.glossy != 0 and goes_on and material["kind"] == METALLIC_ROUGHNESS and max_component(bsdf.f0) > ZERO

@@ -58,6 +58,25 @@ class Environment:
         object.__setattr__(self, "intensity", intensity)
         object.__setattr__(self, "rotation_degrees", finite(self.rotation_degrees, "environment.rotation_degrees"))
 
+    @classmethod
+    def from_cube(cls, pictures: Any, *, height: int | None = None, intensity: float = 1.0, rotation_degrees: float = 0.0) -> Environment:
+        """Make surroundings of a cube map: six square pictures, as a camera at the centre sees them, none mirrored.
+
+        Parameters
+        ----------
+        pictures : six (n, n, 3) float array_like, or one that holds them
+            Linear radiance, row 0 on top: right (+x), left (-x), up (+y), down (-y), front (-z), back (+z), the order of OpenGL's files;
+            up and down join the upper and the lower edge of the front. Or one picture: a strip of the six, side by side or from top to
+            bottom; or a cross, four wide with the row left, front, right, back, or three wide with the back, upside down, at its foot.
+        height : int, optional
+            Of the sky that it becomes, twice as wide. None: 2 n, where texels at the horizon are as fine as the middles of the sides.
+        intensity, rotation_degrees : float
+            As for any environment.
+        """
+        from .cube_map import sky_from_cube
+
+        return cls(sky_from_cube(pictures, height), intensity, rotation_degrees)
+
     @property
     def is_constant(self) -> bool:
         """Whether the same radiance comes from everywhere."""

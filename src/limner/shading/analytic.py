@@ -16,9 +16,9 @@ from ..intersect.sphere import intersect_sphere
 from ..kernel.elementary import PI, TWO_PI, acos, atan2, sqrt
 from ..kernel.lanes import spread, where
 from ..kernel.transform import transform_point, transform_vector
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, spread3
 from ..tables.layouts import PERSPECTIVE, SPHERE
-from .surface import Footprint, SurfacePoint, transform_normal, transformed_reach
+from .surface import Detail, Footprint, SurfacePoint, no_detail, transform_normal, transformed_reach
 
 __all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "moved", "ray_without_view", "view_ray"]
 
@@ -107,6 +107,18 @@ def _sphere_uv_change(p: Vec3, r: np.float32, dp: Vec3):
 
 
 @kernel
+def _uv_gradients(instance, p: Vec3, r: np.float32):
+    """The gradients of u and v in object space; along the surface they tell what `_sphere_uv_change` tells."""
+    zero, one = spread(ZERO, p.x), spread(ONE, p.x)
+    if instance["kind"] == SPHERE:
+        dudx, dvdx = _sphere_uv_change(p, r, Vec3(one, zero, zero))
+        _, dvdy = _sphere_uv_change(p, r, Vec3(zero, one, zero))
+        dudz, dvdz = _sphere_uv_change(p, r, Vec3(zero, zero, one))
+        return Vec3(dudx, zero, dudz), Vec3(dvdx, dvdy, dvdz)
+    return Vec3(one, zero, zero), Vec3(zero, zero, -one)
+
+
+@kernel
 def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
     """The surface point of a sphere or plane that a ray hits at t."""
     m = instance["object_from_world"]
@@ -134,8 +146,12 @@ def analytic_at(instance, ray: ViewRay, t: np.float32) -> SurfacePoint:
     w = instance["world_from_object"]
     sign = spread(where(instance["flipped"] != 0, -ONE, ONE), t)
     zero, one = spread(ZERO, t), spread(ONE, t)
+    detail = no_detail(t)
+    if instance["detailed"] != 0:
+        gradient_u, gradient_v = _uv_gradients(instance, p, r)
+        detail = Detail(p, spread3(n_object, t), dpdx, dpdy, gradient_u, gradient_v)
     return SurfacePoint(
         transform_point(w, p), n, n, transform_vector(w, tangent), sign, u, v, zero, zero, Color(one, one, one), one,
         Footprint(dudx, dvdx, dudy, dvdy, zero, zero, zero, zero), spread(np.int64(instance["material"]), t), Vec3(zero, zero, zero),
-        transformed_reach(w, abs(p.x), abs(p.y), abs(p.z)),
+        transformed_reach(w, abs(p.x), abs(p.y), abs(p.z)), detail,
     )  # fmt: skip

@@ -36,7 +36,7 @@ def write_aov(scene, camera, instance_id: int, triangle: int, point, values, ids
     """Fill values[j, i] (16 float32) and ids[j, i] (3 int32) from a surface point."""
     instances, _, _, _, _, _, materials, _, textures, texels = scene
     point = flip_to_front(point, direction_to_eye(camera, point.position))
-    bsdf = resolve(materials[point.material], point, textures, texels)
+    bsdf = resolve(materials[point.material], instances[instances[instance_id]["owner"]], point, textures, texels)
     to_point = point.position - Vec3(camera["position"][0], camera["position"][1], camera["position"][2])
     gaze = Vec3(camera["gaze"][0], camera["gaze"][1], camera["gaze"][2])
     row = values[j, i]

@@ -14,15 +14,16 @@ from .._jit import kernel
 from ..kernel.lanes import any_of, max, min, spread, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
 from ..tables.layouts import BLINN_PHONG, COOL_TO_WARM, DIELECTRIC, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
+from .bump import bumped_normal
 from .cool_to_warm import cool_to_warm
 from .fresnel import schlick_weight
 from .lambert import eval_lambert
 from .microfacet import eval_ggx
 from .phong import eval_blinn_phong, eval_phong
 from .surface import SurfacePoint
-from .texture import sample_texture
+from .texture import place_in, sample_place, sample_texture
 
-__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve"]
+__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "shading_normal", "tint_at"]
 
 f32 = np.float32
 _DIELECTRIC_F0 = f32(0.04)
@@ -63,7 +64,35 @@ def alpha_at(material, point: SurfacePoint, textures, texels) -> np.float32:
     if material["color_texture"] >= 0:
         _, a = sample_texture(textures[material["color_texture"]], texels, point)
         alpha = alpha * a
-    return _coverage(material, alpha)
+    return _coverage(material, _cut_out(material, alpha, point, textures, texels))
+
+
+@kernel
+def _cut_out(material, alpha: np.float32, point: SurfacePoint, textures, texels) -> np.float32:
+    """Alpha times a channel of the texture that is there for it alone."""
+    if material["alpha_texture"] < 0:
+        return alpha
+    texture = textures[material["alpha_texture"]]
+    c, a = sample_place(texture, texels, place_in(texture, point))
+    channel = material["alpha_channel"]
+    if channel == 0:
+        a = c.r
+    if channel == 1:
+        a = c.g
+    if channel == 2:
+        a = c.b
+    return alpha * a
+
+
+@kernel
+def tint_at(material, point: SurfacePoint, textures, texels) -> Color:
+    """What light is multiplied by that passes the surface of a dielectric."""
+    tint = _color3(material["color"])
+    if material["color_texture"] < 0:
+        return tint
+    texture = textures[material["color_texture"]]
+    c, _ = sample_place(texture, texels, place_in(texture, point))
+    return Color(min(tint.r * c.r, ONE), min(tint.g * c.g, ONE), min(tint.b * c.b, ONE))
 
 
 @kernel
@@ -102,14 +131,26 @@ def _mapped_normal(material, point: SurfacePoint, textures, texels) -> Vec3:
 
 
 @kernel
-def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
-    """The lobes of a material at a point: textures looked up, kinds forgotten."""
+def shading_normal(material, instance, point: SurfacePoint, textures, texels) -> Vec3:
+    """The shading normal after the normal map, and after the bump map on top of it."""
+    ns = point.ns
+    if material["normal_texture"] >= 0:
+        ns = _mapped_normal(material, point, textures, texels)
+    if material["bump_texture"] >= 0:
+        ns = bumped_normal(material, instance, ns, point, textures, texels)
+    return ns
+
+
+@kernel
+def resolve(material, instance, point: SurfacePoint, textures, texels) -> Bsdf:
+    """The lobes of a material at a point of an instance: textures looked up, kinds forgotten."""
     black, one = _even(ZERO, point), spread(ONE, point.u)
+    ns = shading_normal(material, instance, point, textures, texels)
     base, alpha = _color3(material["color"]) * point.color, material["alpha"] * point.alpha
     if material["color_texture"] >= 0:
         c, a = sample_texture(textures[material["color_texture"]], texels, point)
         base, alpha = base * c, alpha * a
-    alpha = _coverage(material, alpha)
+    alpha = _coverage(material, _cut_out(material, alpha, point, textures, texels))
     emission = _color3(material["emission"]) * _textured(material["emission_texture"], point, textures, texels)
     ka = _color3(material["ambient"])
     ambient = base
@@ -121,7 +162,7 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         ks = ks * material["specular_scale"]
         km = _color3(material["mirror"]) + black
         p = spread(-material["exponent"] if material["highlight"] == PHONG else material["exponent"], point.u)
-        return Bsdf(point.ns, base, ks, p, black, one, ambient, one, km, emission, alpha, base)
+        return Bsdf(ns, base, ks, p, black, one, ambient, one, km, emission, alpha, base)
     if kind == METALLIC_ROUGHNESS:
         if material["unlit"] != 0:
             return Bsdf(point.ns, black, black, one, black, one, black, one, black, base + emission, alpha, base)
@@ -131,9 +172,6 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         if material["occlusion_texture"] >= 0:
             o = _textured(material["occlusion_texture"], point, textures, texels)
             occlusion = lerp(ONE, o.r, material["occlusion_strength"])
-        ns = point.ns
-        if material["normal_texture"] >= 0:
-            ns = _mapped_normal(material, point, textures, texels)
         f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
         diffuse = base * (ONE - metallic)
         ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
@@ -142,12 +180,12 @@ def resolve(material, point: SurfacePoint, textures, texels) -> Bsdf:
         # What goes through is the affair of renderers that follow rays.
         alpha2 = spread(material["roughness"] * material["roughness"], point.u)
         f0 = _color3(material["specular"]) + black
-        return Bsdf(point.ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base)
+        return Bsdf(ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base)
     if kind == COOL_TO_WARM:
         towards = Vec3(material["towards"][0], material["towards"][1], material["towards"][2])
         shown = cool_to_warm(_color3(material["cool"]), base, point.ns, towards)
         return Bsdf(point.ns, black, black, one, black, one, black, one, black, shown, alpha, base)
-    return Bsdf(point.ns, base, black, one, black, one, ambient, one, black, emission, alpha, base)
+    return Bsdf(ns, base, black, one, black, one, ambient, one, black, emission, alpha, base)
 
 
 @kernel

@@ -81,5 +81,5 @@ def sample_emitter(scene, lighting, p: Vec3, choice: np.float32, u: np.float32, 
         cos_theta = abs(cos_theta)
     if cos_theta <= ZERO:
         return nothing
-    bsdf = resolve(material, point, textures, texels)
+    bsdf = resolve(material, instance, point, textures, texels)
     return EmitterSample(wi, distance, bsdf.emission * bsdf.alpha, pdf_emitter(lighting, material, cos_theta, squared))

@@ -13,22 +13,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..kernel.lanes import at, max, min, spread, where
 from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, normalize, spread3
 
 __all__ = [
     "Barycentrics",
+    "Detail",
     "Footprint",
     "SurfacePoint",
     "barycentrics_at",
     "barycentrics_of_hit",
     "flip_to_front",
+    "no_detail",
     "surface_at",
     "to_raster",
     "transform_normal",
     "transformed_reach",
+    "transposed_vector",
     "with_normal",
 ]  # fmt: skip
 
@@ -61,6 +64,17 @@ class Footprint(NamedTuple):
     dv1dy: np.float32
 
 
+class Detail(NamedTuple):
+    """The point in the object's own space, where solid textures and heights are; zeros where no material of the instance asks."""
+
+    p: Vec3
+    n: Vec3  # outward, of any length
+    dpdx: Vec3  # how p moves from pixel to pixel
+    dpdy: Vec3
+    gradient_u: Vec3  # du = gradient_u . dp along the surface; of texture coordinates 0
+    gradient_v: Vec3
+
+
 class SurfacePoint(NamedTuple):
     """A point of a surface, in world space."""
 
@@ -79,6 +93,7 @@ class SurfacePoint(NamedTuple):
     material: int
     bulge: Vec3  # from the flat triangle to the smooth surface that its normals tell of; where shadow rays start
     reach: np.float32  # the greatest number its position was computed from: rounding errors are measured by it
+    detail: Detail
 
 
 # --- transforms -----------------------------------------------------------------------------------------------------------
@@ -91,6 +106,16 @@ def transformed_reach(m, x: np.float32, y: np.float32, z: np.float32) -> np.floa
     row1 = abs(m[1, 0]) * x + abs(m[1, 1]) * y + abs(m[1, 2]) * z + abs(m[1, 3])
     row2 = abs(m[2, 0]) * x + abs(m[2, 1]) * y + abs(m[2, 2]) * z + abs(m[2, 3])
     return max(row0, max(row1, row2))
+
+
+@kernel
+def transposed_vector(m, v: Vec3) -> Vec3:
+    """M^T v for the linear part of a (3, 4) or (3, 3) matrix: takes normals and gradients the way back."""
+    return Vec3(
+        m[0, 0] * v.x + m[1, 0] * v.y + m[2, 0] * v.z,
+        m[0, 1] * v.x + m[1, 1] * v.y + m[2, 1] * v.z,
+        m[0, 2] * v.x + m[1, 2] * v.y + m[2, 2] * v.z,
+    )
 
 
 @kernel
@@ -259,7 +284,57 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics) -
     material = spread(np.int64(instance["material"]), w.b0)
     if mesh["slot"] >= 0:
         material = material + at(slots, mesh["slot"] + triangle)
-    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, bulge, reach)
+    detail = no_detail(w.b0)
+    if instance["detailed"] != 0:
+        detail = _detail_of_triangle(scene_geometry, mesh, triangle, w)
+    return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, bulge, reach, detail)
+
+
+@kernel
+def no_detail(like: np.float32) -> Detail:
+    """The detail that nobody asks for, of one point or of eight."""
+    zero = spread(ZERO, like)
+    none = Vec3(zero, zero, zero)
+    return Detail(none, none, none, none, none, none)
+
+
+@outlined
+def _detail_of_triangle(scene_geometry, mesh, triangle: int, w: Barycentrics) -> Detail:
+    """What solid textures and bump maps ask of a point of a triangle.
+
+    The gradient of a linear function on the triangle with edges a and b, along which it grows by f and g, is
+    ``(f (b x n) + g (n x a)) / n.n`` with ``n = a x b``.
+    """
+    positions, triangles, attributes, _ = scene_geometry
+    i0, i1, i2 = _corners(triangles, mesh["triangle"] + triangle)
+    start = mesh["position"]
+    o0, o1, o2 = _position(positions, start + i0), _position(positions, start + i1), _position(positions, start + i2)
+    a, b = o1 - o0, o2 - o0
+    n = spread3(cross(a, b), w.b0)
+    zero = spread(ZERO, w.b0)
+    outward, gradient_u, gradient_v = n, Vec3(zero, zero, zero), Vec3(zero, zero, zero)
+    if mesh["normal"] >= 0:
+        k0, k1, k2 = i0, i1, i2
+        if mesh["normal_triangle"] >= 0:
+            k0, k1, k2 = _corners(triangles, mesh["normal_triangle"] + triangle)
+        p = mesh["normal"]
+        mixed = _mix3(_direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2), w)
+        outward = where(dot(mixed, mixed) > ZERO, mixed, n)
+    if mesh["uv"] >= 0:
+        k0, k1, k2 = i0, i1, i2
+        if mesh["uv_triangle"] >= 0:
+            k0, k1, k2 = _corners(triangles, mesh["uv_triangle"] + triangle)
+        p = mesh["uv"]
+        p0, p1, p2 = p + 2 * k0, p + 2 * k1, p + 2 * k2
+        squared = dot(n, n)
+        scale = where(squared > ZERO, ONE / where(squared > ZERO, squared, ONE), ZERO)
+        along_b, along_a = spread3(cross(b, cross(a, b)), w.b0) * scale, spread3(cross(cross(a, b), a), w.b0) * scale
+        u0, v0 = at(attributes, p0), at(attributes, p0 + 1)
+        gradient_u = along_b * (at(attributes, p1) - u0) + along_a * (at(attributes, p2) - u0)
+        gradient_v = along_b * (at(attributes, p1 + 1) - v0) + along_a * (at(attributes, p2 + 1) - v0)
+    dpdx = (o0 - o2) * w.db0dx + (o1 - o2) * w.db1dx
+    dpdy = (o0 - o2) * w.db0dy + (o1 - o2) * w.db1dy
+    return Detail(_mix3(o0, o1, o2, w), outward, dpdx, dpdy, gradient_u, gradient_v)
 
 
 @kernel
@@ -290,7 +365,7 @@ def with_normal(point: SurfacePoint, ns: Vec3) -> SurfacePoint:
     """The same point with another shading normal."""
     return SurfacePoint(
         point.position, point.n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
-        point.footprint, point.material, point.bulge, point.reach,
+        point.footprint, point.material, point.bulge, point.reach, point.detail,
     )  # fmt: skip
 
 
@@ -303,5 +378,5 @@ def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
     ns = where(dot(point.ns, n) >= ZERO, point.ns, -point.ns)
     return SurfacePoint(
         point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
-        point.footprint, point.material, bulge, point.reach,
+        point.footprint, point.material, bulge, point.reach, point.detail,
     )  # fmt: skip

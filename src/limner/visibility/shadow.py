@@ -14,7 +14,7 @@ import numpy as np
 from .._jit import kernel
 from ..accel.walk import first_hit, occluded
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, max_component, normalize
-from ..shading.bsdf import alpha_at
+from ..shading.bsdf import alpha_at, tint_at
 from ..shading.dielectric import straight_transmittance
 from ..shading.medium import cross_surface, filling, passed
 from ..shading.surface import SurfacePoint
@@ -38,12 +38,12 @@ class Seen(NamedTuple):
 
 
 @kernel
-def _through_surface(material, media, before: int, after: int, cosine: np.float32) -> Color:
+def _through_surface(material, tint: Color, media, before: int, after: int, cosine: np.float32) -> Color:
     """What is left of light that goes straight through the surface of a dielectric."""
     if before == after:
         return Color(ONE, ONE, ONE)
     share = straight_transmittance(material["fresnel"], cosine, media[before]["ior"], media[after]["ior"])
-    return Color(material["color"][0], material["color"][1], material["color"][2]) * share
+    return tint * share
 
 
 @kernel
@@ -82,7 +82,8 @@ def transmittance(
             if tinted == 0:
                 return Seen(Color(ZERO, ZERO, ZERO), False)
             crossing = cross_surface(inside, media, np.int64(material["medium"]), dot(point.n, wi) < ZERO)
-            left = left * _through_surface(material, media, crossing.before, crossing.after, abs(dot(point.ns, wi)))
+            tint = tint_at(material, point, textures, texels)
+            left = left * _through_surface(material, tint, media, crossing.before, crossing.after, abs(dot(point.ns, wi)))
             inside, through_glass = crossing.inside, through_glass or crossing.before != crossing.after
         else:
             left = left * (ONE - alpha_at(material, point, textures, texels))

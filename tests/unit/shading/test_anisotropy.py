@@ -29,7 +29,7 @@ from limner.scene.node import Node
 from limner.scene.shape import Plane
 from limner.scene.texture import Texels, Texture
 from limner.shading.anisotropy import MAX_PROBES, probes_of_footprint, reduction_along
-from limner.shading.surface import Footprint, SurfacePoint
+from limner.shading.surface import Footprint, SurfacePoint, no_detail
 from limner.shading.texture import sample_texture
 from limner.tables.layouts import TEXTURE
 from limner.tables.textures import texture_tables
@@ -44,7 +44,7 @@ def _look_up(textures, texels, rows, out):
         r = rows[k]
         up, color = Vec3(ZERO, ZERO, ONE), Color(ONE, ONE, ONE)
         footprint = Footprint(r[4], r[5], r[6], r[7], r[8], r[9], r[10], r[11])
-        point = SurfacePoint(up, up, up, up, ONE, r[0], r[1], r[2], r[3], color, ONE, footprint, 0, up, ONE)
+        point = SurfacePoint(up, up, up, up, ONE, r[0], r[1], r[2], r[3], color, ONE, footprint, 0, up, ONE, no_detail(ONE))
         c, alpha = sample_texture(textures[0], texels, point)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = c.r, c.g, c.b, alpha
 

@@ -15,6 +15,7 @@ A shape has a kind, its transforms and three numbers of `size`; what needs more 
 | QUADRIC | its box's | | ten coefficients, low and high corner | if capped |
 | PATCH | its corners' | | four corners | no |
 | CSG | the world | | | yes |
+| DISTANCE_FIELD | its box's | | box, slope, program (`tables.distance`) | yes |
 
 Constructive solid geometry (`intersect.csg`): a CSG shape names its leaves, consecutive rows of shapes with transforms from the world, and
 its program, a stretch of `programs` (the tables' `slots`) that begins at its `place`. A program is postfix, one int32 a token: k >= 0 is
@@ -38,6 +39,7 @@ from ..tables.layouts import (
     CYLINDER,
     DIFFERENCE,
     DISK,
+    DISTANCE_FIELD,
     INTERSECTION,
     MAX_LEAVES,
     MESH,
@@ -50,8 +52,8 @@ from ..tables.layouts import (
 )
 
 __all__ = [
-    "BOX", "COMPLEMENT", "CONE", "CSG", "CYLINDER", "DIFFERENCE", "DISK", "ENDS_WIDTH", "INTERSECTION", "MAX_LEAVES", "MESH", "PATCH",
-    "PLANE", "QUADRIC", "SPHERE", "TORUS", "UNION",
+    "BOX", "COMPLEMENT", "CONE", "CSG", "CYLINDER", "DIFFERENCE", "DISK", "DISTANCE_FIELD", "ENDS_WIDTH", "INTERSECTION", "MAX_LEAVES",
+    "MESH", "PATCH", "PLANE", "QUADRIC", "SPHERE", "TORUS", "UNION",
 ]  # fmt: skip
 
 ENDS_WIDTH = 6

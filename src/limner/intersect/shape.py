@@ -18,9 +18,10 @@ from .cone import cone_area, cone_at, cone_range, cone_spans, intersect_cone
 from .cuboid import cuboid_area, cuboid_at, cuboid_range, cuboid_spans
 from .cylinder import cylinder_area, cylinder_at, cylinder_range, cylinder_spans, intersect_cylinder
 from .disk import disk_area, disk_at, disk_range, intersect_disk
+from .distance_field import distance_field_range
 from .half_space import half_space_at, half_space_spans
 from .interval import Ray, ShapeHit, Spans, first_hit, no_hit, nowhere, point_at, ray_in
-from .layouts import BOX, CONE, CYLINDER, DISK, PATCH, PLANE, QUADRIC, SPHERE, TORUS
+from .layouts import BOX, CONE, CYLINDER, DISK, DISTANCE_FIELD, PATCH, PLANE, QUADRIC, SPHERE, TORUS
 from .object_point import ObjectPoint
 from .patch import intersect_patch, patch_at, patch_range
 from .quadric import intersect_quadric, quadric_at, quadric_range, quadric_spans
@@ -129,6 +130,8 @@ def shape_range(shape, numbers, a: Vec3) -> tuple[np.float32, np.float32]:
         return quadric_range(a, numbers, place)
     if kind == PATCH:
         return patch_range(a, numbers, place)
+    if kind == DISTANCE_FIELD:
+        return distance_field_range(a, numbers, place)
     return -_INFINITY, _INFINITY
 
 

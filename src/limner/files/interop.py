@@ -1,7 +1,8 @@
 """Meshes of other libraries, and the formats that trimesh reads for us.
 
-trimesh knows PLY, STL, OFF and more; glTF and OBJ are read by limner itself, because trimesh splits vertices and drops
-lights, texture transforms and smoothing. It is imported only when such a file, or such an object, is at hand.
+trimesh knows STL, OFF and more; glTF and OBJ are read by limner itself, because trimesh splits vertices and drops
+lights, texture transforms and smoothing, and PLY, because it drops what else is known of vertices. It is imported only when such a file,
+or such an object, is at hand.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ..errors import FileFormatError, LimnerError, SceneError, UnsupportedError
 from ..mesh.mesh import Mesh
 from ..scene.material import AlphaMode, Lambert, Material, MetallicRoughness
 from ..scene.node import Node
+from ..scene.points import PointCloud
 from ..scene.scene import Scene
 from ..scene.shape import Shape
 from ..scene.texture import Texels, Texture
@@ -35,7 +37,7 @@ _NEEDS = {"dae": "pycollada", "3mf": "networkx lxml"}
 
 
 def read(data: bytes, path: str | os.PathLike[str], kind: str, *, limits: Limits = DEFAULT, notes: Notes | None = None) -> Scene:
-    """Read the bytes of a .ply, .stl, .off, .3mf or .dae file with trimesh.
+    """Read the bytes of a .stl, .off, .3mf or .dae file with trimesh.
 
     Parameters
     ----------
@@ -43,7 +45,7 @@ def read(data: bytes, path: str | os.PathLike[str], kind: str, *, limits: Limits
     path : str or path-like
         For messages.
     kind : str
-        "ply", "stl", "off", "3mf", "dae".
+        "stl", "off", "3mf", "dae".
 
     Raises UnsupportedError, with what to install, where trimesh or what it needs is missing.
     """
@@ -89,7 +91,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
 
     Parameters
     ----------
-    thing : Scene | Node | Shape | Mesh | path | trimesh | (vertices, triangles) | object
+    thing : Scene | Node | Shape | Mesh | PointCloud | path | trimesh | (vertices, triangles) | object
         A path is loaded, unless it is the name of a built-in scene ("teapot", "cornell"); an object of some other library needs
         `vertices`, and `faces` or `triangles`.
     limits : Limits
@@ -105,19 +107,36 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
         return _opened(thing, limits)
     if isinstance(thing, Node):
         return Scene(thing, name=thing.name)
-    if isinstance(thing, (Shape, Mesh)):
-        return Scene(Node(shapes=(thing if isinstance(thing, Shape) else Shape(thing, (Lambert(),)),)))
+    if isinstance(thing, Shape):
+        return Scene(Node(shapes=(thing,)))
+    if isinstance(thing, (Mesh, PointCloud)):
+        return Scene(Node(shapes=(Shape(thing, (_plain(thing.colors),)),)))
     if isinstance(thing, (tuple, list)) and len(thing) == 2:
         return scene_from_arrays(*thing)
     if (hasattr(thing, "graph") and hasattr(thing, "geometry")) or (hasattr(thing, "faces") and hasattr(thing, "visual")):
+        return scene_from_trimesh(thing, limits=limits)
+    if _is_cloud(thing):
         return scene_from_trimesh(thing, limits=limits)
     triangles = getattr(thing, "faces", getattr(thing, "triangles", None))
     if hasattr(thing, "vertices") and triangles is not None and not callable(triangles):
         return scene_from_arrays(thing.vertices, triangles)
     raise SceneError(
-        "scene must be a Scene, the path of a model, the name of a built-in, a trimesh mesh or scene, (vertices, triangles), or have "
-        f"vertices and faces, got {type(thing).__name__}"
+        "scene must be a Scene, the path of a model, the name of a built-in, a Mesh, a PointCloud, a trimesh mesh or scene, "
+        f"(vertices, triangles), or have vertices and faces, got {type(thing).__name__}"
     )
+
+
+def _plain(colors: NDArray[np.float32] | None) -> Material:
+    """A matte material that shows colours, alpha included, as they are; grey without any."""
+    if colors is None:
+        return Lambert()
+    blended = colors.shape[1] == 4 and bool((colors[:, 3] < 1.0).any())
+    return Lambert((1.0, 1.0, 1.0), alpha_mode="blend" if blended else "opaque")
+
+
+def _is_cloud(thing: Any) -> bool:
+    """Whether something is a `trimesh.PointCloud`: points with colours, without faces."""
+    return hasattr(thing, "vertices") and hasattr(thing, "colors") and hasattr(thing, "visual") and not hasattr(thing, "faces")
 
 
 def _opened(path: str | os.PathLike[str], limits: Limits) -> Scene:
@@ -173,19 +192,20 @@ def scene_from_trimesh(given: Any, *, limits: Limits = DEFAULT, notes: Notes | N
     Parameters
     ----------
     given : trimesh.Trimesh | trimesh.Scene
-        Meshes with their vertex or face colours, texture coordinates and materials; point clouds and paths are left out.
+        Meshes with their vertex or face colours, texture coordinates and materials; point clouds with their colours. Paths are left
+        out.
     limits : Limits
 
-    Raises SceneError where there are no triangles.
+    Raises SceneError where there are neither triangles nor points.
     """
     notes = notes if notes is not None else Notes()
     placed: list[tuple[str, NDArray[np.float64], Any]]
-    if hasattr(given, "faces"):
+    if hasattr(given, "faces") or _is_cloud(given):
         placed = [("mesh", np.eye(4), given)]
     elif hasattr(given, "graph") and hasattr(given, "geometry"):
         placed = [(str(node), *_placed_geometry(given, node)) for node in given.graph.nodes_geometry]
     else:
-        raise SceneError(f"expected a trimesh.Trimesh or trimesh.Scene, got {type(given).__name__}")
+        raise SceneError(f"expected a trimesh.Trimesh, PointCloud or Scene, got {type(given).__name__}")
     shapes: dict[int, Shape | None] = {}
     nodes = []
     for name, matrix, geometry in placed:
@@ -205,6 +225,8 @@ def _placed_geometry(scene: Any, node: Any) -> tuple[NDArray[np.float64], Any]:
 
 
 def _shape(geometry: Any, name: str, limits: Limits, notes: Notes) -> Shape | None:
+    if _is_cloud(geometry) and len(geometry.vertices):
+        return _cloud(geometry, name, limits)
     if not hasattr(geometry, "faces") or not len(geometry.faces):
         notes.slip("left out, it has no triangles", quoted(name))
         return None
@@ -228,6 +250,15 @@ def _shape(geometry: Any, name: str, limits: Limits, notes: Notes) -> Shape | No
     return _assemble(geometry, positions, triangles, kept, name)
 
 
+def _cloud(geometry: Any, name: str, limits: Limits) -> Shape:
+    if len(geometry.vertices) > limits.max_vertices:
+        raise SceneError(f"has {len(geometry.vertices)} points, the limit is {limits.max_vertices} (max_vertices)")
+    with np.errstate(over="ignore"):
+        positions = np.array(geometry.vertices, dtype=np.float32)
+    colors = _linear_colors(geometry.colors) if np.shape(geometry.colors) == (len(positions), 4) else None
+    return Shape(PointCloud(positions, colors, name=name), (_plain(colors),))
+
+
 def _assemble(geometry: Any, positions: NDArray[np.float32], triangles: NDArray[Any], kept: NDArray[np.bool_], name: str) -> Shape:
     visual = geometry.visual
     kind = getattr(visual, "kind", None)
@@ -247,9 +278,7 @@ def _assemble(geometry: Any, positions: NDArray[np.float32], triangles: NDArray[
     mesh = Mesh(positions, triangles.astype(np.int32), normals=given, uvs=uvs, colors=colors, name=name)
     material = _material(getattr(visual, "material", None), textured=uvs is not None)
     if colors is not None:
-        # The colours say it all, alpha included.
-        blended = colors.shape[1] == 4 and bool((colors[:, 3] < 1.0).any())
-        material = Lambert((1.0, 1.0, 1.0), alpha_mode="blend" if blended else "opaque")
+        material = _plain(colors)  # the colours say it all
     return Shape(mesh if given is not None else _with_normals(mesh), (material,))
 
 

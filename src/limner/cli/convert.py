@@ -1,19 +1,24 @@
-"""`limner convert`: a picture in another format, of another size, with other bits, or as a printer's dots."""
+"""`limner convert`: a picture in another format, of another size, with other bits, or as a printer's dots; or a model in another format."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import LimnerError
+from .model import open_model
 from .talk import Talk
 
 if TYPE_CHECKING:
     from ..image.image import Image
 
-__all__ = ["Order", "convert"]
+__all__ = ["MODELS", "Order", "convert"]
+
+MODELS = (".glb", ".gltf", ".yaml", ".yml", ".limner", ".obj", ".ply", ".stl")
+"""What models are saved as."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,9 @@ class Order:
 
 def convert(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
+    if Path(order.output).suffix.lower() in MODELS:
+        _convert_model(order, talk)
+        return
     from ..image.save import check_destination, keeps_aovs
 
     try:
@@ -63,6 +71,18 @@ def convert(order: Order, talk: Talk) -> None:
     if dpi is not None:
         width, height = image.print_size(dpi)
         talk.detail(f"{image.width} x {image.height} pixels, on paper {width:.1f} x {height:.1f} mm at {dpi:g} dpi")
+
+
+def _convert_model(order: Order, talk: Talk) -> None:
+    """Save a model in another format; but for glTF, what is in it stands in the world."""
+    beside = [name for name in ("width", "height", "bits", "dither", "dpi", "halftone") if getattr(order, name) is not None]
+    if beside:
+        raise click.UsageError(f"--{beside[0]} is for pictures, but {order.output} is a model")
+    from ..files.save_mesh import save_model
+
+    scene = open_model(order.source)
+    talk.note(scene.notes)
+    talk.note(save_model(scene, order.output))
 
 
 def _size(order: Order, image: Image) -> tuple[int, int]:

@@ -11,17 +11,24 @@ import re
 import warnings
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import FileFormatError, LimnerWarning, UnsupportedError
+from ..scene.node import Node
 from ..scene.scene import Scene
 from .limits import DEFAULT, Limits
 from .notes import Notes
 from .sources import Sources
 
-__all__ = ["EXTENSIONS", "load", "model_format"]
+__all__ = ["EXTENSIONS", "UP", "load", "model_format", "read_model", "upright"]
+
+UP = ("y", "z")
+_Y_UP_FROM_Z_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 
 EXTENSIONS = {
     ".gltf": "gltf", ".glb": "gltf", ".vrm": "gltf", ".obj": "obj",
-    ".ply": "ply", ".stl": "stl", ".off": "off", ".3mf": "3mf", ".dae": "dae",
+    ".ply": "ply", ".stl": "stl", ".off": "off", ".3mf": "3mf", ".dae": "dae", ".xml": "mitsuba",
+    ".yaml": "scene", ".yml": "scene", ".limner": "scene",
 }  # fmt: skip
 
 # Magic numbers of models, and of what people hand over by mistake.
@@ -32,23 +39,29 @@ _STRANGERS = {
     b"Kaydara FBX": "an FBX file (convert it to .glb)", b"PXR-USDC": "a USD file (convert it to .glb)",
     b"version https://git-lfs": "a Git LFS pointer, not the file itself (run git lfs pull)",
 }  # fmt: skip
+_SCENE_LINE = re.compile(rb"(?:^|\n)(?:limner|\"limner\"):[ \t]*\d")
 _OBJ_LINE = re.compile(rb"(?:^|\n)[ \t]*(?:v|vt|vn|f|o|g|usemtl|mtllib)[ \t]+[^\n]")
 
 
-def load(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> Scene:
+def load(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAULT) -> Scene:
     """Read a model.
 
     Parameters
     ----------
     path : str or path-like
-        glTF 2.0 (.gltf, .glb) and OBJ with MTL are read by limner itself; .ply, .stl, .off, .3mf and .dae need trimesh.
+        glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY, Mitsuba scenes (.xml) and limner's own scene files (.yaml, .yml, .limner) are
+        read by limner itself; .stl, .off, .3mf and .dae need trimesh.
+    up : "y" | "z"
+        Which axis of the file points up. "y" takes every file as it is, as glTF and limner mean it. Models for printing and construction
+        (.stl, .3mf), scans (.ply) and Blender's own axes mean z: with "z" they are turned upright, (x, y, z) to (x, z, -y).
     limits : Limits
         How much it may ask for.
 
     Returns
     -------
     Scene
-        Its `notes` say what was approximated, ignored or repaired; likely slips among them are warned about too.
+        Its `notes` say what was approximated, ignored or repaired; likely slips among them are warned about too. `limner.load_report`
+        says more, and in parts.
 
     Raises
     ------
@@ -57,8 +70,18 @@ def load(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> Scene:
     UnsupportedError
         The file may be sound, but is of a kind that is not read; the message says what helps.
     """
+    scene, notes, _ = read_model(path, up=up, limits=limits)
+    for text in notes.warnings():
+        warnings.warn(f"{Path(path).name}: {text}", LimnerWarning, stacklevel=2)
+    return scene
+
+
+def read_model(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAULT) -> tuple[Scene, Notes, str]:
+    """Read a model as `load` does; return its scene, what the reader said, and which format it was in."""
     if not isinstance(path, (str, os.PathLike)):
         raise UnsupportedError(f"load needs the path of a file, got {type(path).__name__}; render takes meshes and arrays as they are")
+    if up not in UP:
+        raise UnsupportedError(f"up must be one of {', '.join(UP)}, got {up!r}")
     sources = Sources(path, limits)
     notes = Notes()
     data = sources.read_model()
@@ -71,17 +94,37 @@ def load(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> Scene:
         from .obj import read as read_obj
 
         scene = read_obj(data, path, limits=limits, notes=notes, sources=sources)
+    elif kind == "ply":
+        from .ply import read as read_ply
+
+        scene = read_ply(data, path, limits=limits, notes=notes, sources=sources)
+    elif kind == "mitsuba":
+        from .mitsuba import read as read_mitsuba
+
+        scene = read_mitsuba(data, path, limits=limits, notes=notes, sources=sources)
+    elif kind == "scene":
+        from .scene_file import read as read_scene
+
+        scene = read_scene(data, path, limits=limits, notes=notes, sources=sources)
     else:
         from .interop import read as read_with_trimesh
 
         scene = read_with_trimesh(data, path, kind, limits=limits, notes=notes)
-    for text in notes.warnings():
-        warnings.warn(f"{Path(path).name}: {text}", LimnerWarning, stacklevel=2)
-    return scene
+    return upright(scene) if up == "z" else scene, notes, kind
+
+
+def upright(scene: Scene) -> Scene:
+    """Turn a scene whose +z points up so that +y does, with what stands in it.
+
+    >>> from ..scene.shape import Box, Shape
+    >>> upright(Scene(Node(shapes=(Shape(Box((1, 2, 3))),)))).bounds().tolist()
+    [[-0.5, -1.5, -1.0], [0.5, 1.5, 1.0]]
+    """
+    return scene.replace(root=Node(parent_from_node=_Y_UP_FROM_Z_UP, children=(scene.root,)))
 
 
 def model_format(data: bytes, path: str | os.PathLike[str]) -> str:
-    """Return which format a file is in: "gltf", "obj", "ply", "stl", "off", "3mf" or "dae".
+    """Return which format a file is in: "scene", "gltf", "obj", "ply", "stl", "off", "3mf", "dae" or "mitsuba".
 
     Raises FileFormatError for an empty file, or one that is plainly something else, and UnsupportedError where neither its
     extension nor its first bytes are known.
@@ -105,6 +148,8 @@ def model_format(data: bytes, path: str | os.PathLike[str]) -> str:
 
 def _guess(data: bytes) -> str:
     head = data[:4096].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if _SCENE_LINE.search(head):
+        return "scene"
     if head.startswith(b"{") and b'"asset"' in data:
         return "gltf"
     if head.startswith(b"solid ") and b"facet" in data[:65536]:
@@ -113,4 +158,6 @@ def _guess(data: bytes) -> str:
         return "off"
     if b"<COLLADA" in head:
         return "dae"
+    if re.match(rb"(?:<\?xml[^>]*>|<!--.*?-->|\s)*<scene\b", head, re.DOTALL):
+        return "mitsuba"
     return "obj" if _OBJ_LINE.search(head) and b"\0" not in head else ""

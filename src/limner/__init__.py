@@ -17,29 +17,57 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import draw
+    from .draw.color_bar import ColorBar, with_color_bar
     from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
     from .files.load import load
     from .files.open_image import open_image
+    from .files.pictures import read_texels
+    from .files.report import LoadEntry, LoadReport, load_report
+    from .files.save_mesh import save_model
+    from .files.scene_file import save_scene, settings_of
     from .image.image import Image
+    from .mesh import primitives, subdivide
+    from .mesh.adjacency import adjacency
+    from .mesh.boolean import boolean
+    from .mesh.displace import displaced
+    from .mesh.marching_cubes import marching_cubes
     from .mesh.mesh import Mesh
+    from .mesh.polygons import mesh_from_polygons
+    from .mesh.projection import project_uvs
+    from .mesh.repair import RepairReport, repair
+    from .mesh.report import TopologyReport, topology_report
+    from .mesh.simplify import simplify
+    from .mesh.tangents import with_tangents
+    from .mesh.unwrap.distortion import UnwrapReport, unwrap_report, uv_distortion
+    from .mesh.unwrap.unwrap import uv_unwrap
     from .produce import dataset
+    from .produce.animate import animate, write_animation
     from .produce.stages import stages
     from .produce.thumbnails import thumbnails
     from .produce.turntable import turntable, write_turntable
+    from .produce.uv_chart import uv_chart
     from .produce.views import views
     from .produce.wireframe import wireframe
     from .progress import Progress
     from .raycaster import RayCaster
     from .render import Renderer, render
+    from .scene import distance
+    from .scene.animation import Animation, FieldChannel, NodeChannel, WeightsChannel
     from .scene.camera import OrthographicCamera
     from .scene.camera import PerspectiveCamera as Camera
+    from .scene.color_by import color_by
+    from .scene.displacement import Displacement
     from .scene.environment import Environment
     from .scene.fog import Fog
     from .scene.library import builtin
     from .scene.light import AmbientLight, DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
     from .scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness, ShadowCatcher
-    from .scene.motion import Motion
+    from .scene.motion import KeyedMotion, Motion
     from .scene.node import Node
+    from .scene.points import PointCloud
+    from .scene.procedural import Checker, Gradient, Marble, Noise, Stripes, Turbulence, Wood
+    from .scene.rig import Binding, Morph, Skin
     from .scene.scene import Scene
     from .scene.shape import (
         BilinearPatch,
@@ -49,6 +77,7 @@ if TYPE_CHECKING:
         Cylinder,
         Difference,
         Disk,
+        DistanceField,
         Intersection,
         Plane,
         Quadric,
@@ -59,15 +88,20 @@ if TYPE_CHECKING:
         Union,
     )
     from .scene.texture import Texels, Texture
+    from .scene.track import Track
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AmbientLight",
+    "Animation",
     "BilinearPatch",
+    "Binding",
     "BlinnPhong",
     "Box",
     "Camera",
+    "Checker",
+    "ColorBar",
     "Complement",
     "Cone",
     "CoolToWarm",
@@ -77,20 +111,32 @@ __all__ = [
     "DirectionalLight",
     "Disk",
     "DiskLight",
+    "Displacement",
+    "DistanceField",
     "Environment",
+    "FieldChannel",
     "FileFormatError",
     "Fog",
+    "Gradient",
     "Image",
     "Intersection",
+    "KeyedMotion",
     "Lambert",
     "LimnerError",
     "LimnerWarning",
+    "LoadEntry",
+    "LoadReport",
+    "Marble",
     "Mesh",
     "MetallicRoughness",
+    "Morph",
     "Motion",
     "Node",
+    "NodeChannel",
+    "Noise",
     "OrthographicCamera",
     "Plane",
+    "PointCloud",
     "PointLight",
     "Progress",
     "Quadric",
@@ -98,66 +144,133 @@ __all__ = [
     "RectangleLight",
     "RenderError",
     "Renderer",
+    "RepairReport",
     "Scene",
     "SceneError",
     "ShadowCatcher",
     "Shape",
+    "Skin",
     "Solid",
     "Sphere",
     "SphereLight",
     "SpotLight",
+    "Stripes",
     "Texels",
     "Texture",
+    "TopologyReport",
     "Torus",
+    "Track",
+    "Turbulence",
     "Union",
     "UnsupportedError",
+    "UnwrapReport",
+    "WeightsChannel",
+    "Wood",
     "__version__",
+    "adjacency",
+    "animate",
+    "boolean",
     "builtin",
+    "color_by",
     "dataset",
+    "displaced",
+    "distance",
     "draw",
     "load",
+    "load_report",
+    "marching_cubes",
+    "mesh_from_polygons",
     "open_image",
+    "primitives",
+    "project_uvs",
+    "read_texels",
     "render",
+    "repair",
+    "save_model",
+    "save_scene",
+    "settings_of",
+    "simplify",
     "stages",
+    "subdivide",
     "thumbnails",
+    "topology_report",
     "turntable",
+    "unwrap_report",
+    "uv_chart",
+    "uv_distortion",
+    "uv_unwrap",
     "views",
     "wireframe",
+    "with_color_bar",
+    "with_tangents",
+    "write_animation",
     "write_turntable",
 ]
 
 _ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
 
 _HOMES = {
+    "draw.color_bar": ("ColorBar", "with_color_bar"),
     "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
     "files.load": ("load",),
     "files.open_image": ("open_image",),
+    "files.pictures": ("read_texels",),
+    "files.report": ("LoadEntry", "LoadReport", "load_report"),
+    "files.save_mesh": ("save_model",),
+    "files.scene_file": ("save_scene", "settings_of"),
     "image.image": ("Image",),
+    "mesh.adjacency": ("adjacency",),
+    "mesh.boolean": ("boolean",),
+    "mesh.displace": ("displaced",),
+    "mesh.marching_cubes": ("marching_cubes",),
     "mesh.mesh": ("Mesh",),
+    "mesh.polygons": ("mesh_from_polygons",),
+    "mesh.projection": ("project_uvs",),
+    "mesh.repair": ("RepairReport", "repair"),
+    "mesh.report": ("TopologyReport", "topology_report"),
+    "mesh.simplify": ("simplify",),
+    "mesh.tangents": ("with_tangents",),
+    "mesh.unwrap.distortion": ("UnwrapReport", "unwrap_report", "uv_distortion"),
+    "mesh.unwrap.unwrap": ("uv_unwrap",),
+    "produce.animate": ("animate", "write_animation"),
     "produce.stages": ("stages",),
     "produce.thumbnails": ("thumbnails",),
     "produce.turntable": ("turntable", "write_turntable"),
+    "produce.uv_chart": ("uv_chart",),
     "produce.views": ("views",),
     "produce.wireframe": ("wireframe",),
     "progress": ("Progress",),
     "raycaster": ("RayCaster",),
     "render": ("Renderer", "render"),
+    "scene.animation": ("Animation", "FieldChannel", "NodeChannel", "WeightsChannel"),
     "scene.camera": ("Camera", "OrthographicCamera"),
+    "scene.color_by": ("color_by",),
+    "scene.displacement": ("Displacement",),
     "scene.environment": ("Environment",),
     "scene.fog": ("Fog",),
     "scene.library": ("builtin",),
     "scene.light": ("AmbientLight", "DirectionalLight", "DiskLight", "PointLight", "RectangleLight", "SphereLight", "SpotLight"),
     "scene.material": ("BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "MetallicRoughness", "ShadowCatcher"),
-    "scene.motion": ("Motion",),
+    "scene.motion": ("KeyedMotion", "Motion"),
     "scene.node": ("Node",),
+    "scene.points": ("PointCloud",),
+    "scene.procedural": ("Checker", "Gradient", "Marble", "Noise", "Stripes", "Turbulence", "Wood"),
+    "scene.rig": ("Binding", "Morph", "Skin"),
     "scene.scene": ("Scene",),
     "scene.shape": (
-        "BilinearPatch", "Box", "Complement", "Cone", "Cylinder", "Difference", "Disk", "Intersection", "Plane", "Quadric", "Shape",
-        "Solid", "Sphere", "Torus", "Union",
+        "BilinearPatch", "Box", "Complement", "Cone", "Cylinder", "Difference", "Disk", "DistanceField", "Intersection", "Plane",
+        "Quadric", "Shape", "Solid", "Sphere", "Torus", "Union",
     ),
     "scene.texture": ("Texels", "Texture"),
+    "scene.track": ("Track",),
 }
-_MODULES = {"dataset": "produce.dataset", "draw": "draw"}
+_MODULES = {
+    "dataset": "produce.dataset",
+    "distance": "scene.distance",
+    "draw": "draw",
+    "primitives": "mesh.primitives",
+    "subdivide": "mesh.subdivide",
+}
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
 

@@ -44,6 +44,7 @@ from .scene.environment import Environment
 from .scene.framing import with_defaults
 from .scene.lamp import lights_in_solids, with_lamps
 from .scene.material import Dielectric
+from .scene.pose import animated, at, posed
 from .scene.scene import Scene
 from .tables.build import Built, View, flatten, media_table, names, view
 from .tables.layouts import Instants, Lighting
@@ -85,6 +86,8 @@ def render(
     emitters: bool = False,
     tinted_shadows: bool | None = None,
     shutter: tuple[float, float] | None = None,
+    time: float | None = None,
+    animation: str | int | None = None,
     antialiasing: str = "multisample",
     shading: str = "fragment",
     hidden_surfaces: str = "zbuffer",
@@ -132,7 +135,12 @@ def render(
         Whether light goes straight through glass and water, dimmed and coloured, to what lies behind; otherwise it is stopped there, and
         `path` finds what they focus, by chance. None: in `ray`, where nothing else lights what lies behind, but not in `path`.
     shutter : (float, float), optional
-        When it opens and closes: what has a motion is blurred (`ray`, `path`). None: a picture of time 0.
+        When it opens and closes: what has a motion is blurred (`ray`, `path`), and so are nodes that an animation moves; meshes that it
+        bends are as they are when it opens. None: a picture of one moment.
+    time : float, optional
+        The moment of the scene's animation that is shown, in seconds. None: of what no animation has moved; motions are at time 0.
+    animation : str | int, optional
+        The animation that `time` or `shutter` is a time of, by name or number; None: the first; "all": all at once.
     antialiasing : "multisample" | "supersample"
         Whether what covers several samples of a pixel is shaded once, in the middle of them, or every sample for itself (`raster`).
         Edges are the same; supersampling is smoother where shading changes within a pixel, has the very colours of `ray`, and takes as
@@ -173,8 +181,8 @@ def render(
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
         sampler=sampler, glossy=glossy, emitters=emitters, tinted_shadows=tinted_shadows, shutter=shutter,
-        antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping, culling=culling,
-        filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        time=time, animation=animation, antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping,
+        culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -200,7 +208,7 @@ class Renderer:
 
     Parameters
     ----------
-    scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter,
+    scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter, time, animation,
     antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, default_lights
         As in `render`.
 
@@ -231,6 +239,8 @@ class Renderer:
         emitters: bool = False,
         tinted_shadows: bool | None = None,
         shutter: tuple[float, float] | None = None,
+        time: float | None = None,
+        animation: str | int | None = None,
         antialiasing: str = "multisample",
         shading: str = "fragment",
         hidden_surfaces: str = "zbuffer",
@@ -255,7 +265,8 @@ class Renderer:
             raise UnsupportedError(f'hidden_surfaces must be "zbuffer" or "painter", got {hidden_surfaces!r}')
         if clipping not in ("homogeneous", "world"):
             raise UnsupportedError(f'clipping must be "homogeneous" or "world", got {clipping!r}')
-        self._sampler, self._shutter = _checked_sampler(sampler, renderer), _checked_shutter(shutter, renderer)
+        self._sampler, self._shutter = _checked_sampler(sampler, renderer), _checked_shutter(shutter, renderer, time)
+        self._moment = _checked_moment(shutter, time, animation)
         self._glossy, self._emitters = bool(glossy), bool(emitters)
         self._tinted_shadows = renderer == "ray" if tinted_shadows is None else bool(tinted_shadows)
         if culling not in CULLINGS:
@@ -279,7 +290,16 @@ class Renderer:
         self._built: Built | None = None
         self._spare: tuple[Film, Memory] | None = None
         self._tree: tuple[Built, Accelerator] | None = None
+        self._stopped: tuple[Scene, Scene] | None = None
         self._sky: tuple[Environment | None, NDArray[np.float32] | None, NDArray[np.float32] | None] = (None, None, None)
+
+    def show(
+        self, *, time: float | None = None, shutter: tuple[float, float] | None = None, animation: str | int | None = None
+    ) -> None:
+        """Go on with another moment of the scene; the parameters are those of `render`."""
+        self._shutter = _checked_shutter(shutter, self._renderer, time)
+        self._moment = _checked_moment(shutter, time, animation)
+        self._stopped = None
 
     def __enter__(self) -> Renderer:
         return self
@@ -288,7 +308,7 @@ class Renderer:
         self.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_built": None, "_spare": None, "_tree": None, "_sky": (None, None, None)}
+        return {**self.__dict__, "_built": None, "_spare": None, "_tree": None, "_stopped": None, "_sky": (None, None, None)}
 
     @overload
     def render(
@@ -417,7 +437,8 @@ class Renderer:
     def _prepared(self, camera: Camera | None) -> _Frame:
         if camera is not None and not isinstance(camera, Camera):
             raise SceneError(f"camera must be a PerspectiveCamera or an OrthographicCamera, got {type(camera).__name__}")
-        given = self.scene if camera is None else self.scene.replace(camera=camera)
+        given = self._scene_of_the_moment()
+        given = given if camera is None else given.replace(camera=camera)
         scene, messages = with_defaults(given, self._width / self._height, lights=self._default_lights)
         assert scene.camera is not None
         is_raster, opening = self._renderer == "raster", self._shutter[0]
@@ -426,6 +447,7 @@ class Renderer:
         assert scene.camera is not None
         built = flatten(scene, scene.camera, self._width, self._height, self._built, tessellate=is_raster, time=opening)
         self._built = built
+        messages = (*messages, *built.notes)
         seen = view(scene, built.tables, scene.camera, self._width, self._height, opening)
         (film, memory), self._spare = self._spare or (Film(self._width, self._height, self._tile_size), Memory()), None
         light, background = self._lighting(scene, built), _background(scene)
@@ -446,6 +468,17 @@ class Renderer:
             prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
             work = prepare(stage, self._settings(), film.sums)
         return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
+
+    def _scene_of_the_moment(self) -> Scene:
+        """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
+        if self._stopped is None or self._stopped[0] is not self.scene:
+            opening = self._shutter[0]
+            scene = self.scene
+            if self._moment is not None:
+                time, animation = self._moment
+                scene = at(scene, time, animation) if time is not None else animated(scene, animation, opening)
+            self._stopped = self.scene, posed(scene, opening)
+        return self._stopped[1]
 
     def _settings(self) -> driver.Settings:
         shares_pattern = self._sampler is None and self._renderer == "ray"
@@ -514,6 +547,8 @@ class Renderer:
             "emitters": self._emitters,
             "tinted_shadows": self._tinted_shadows,
             "shutter": list(self._shutter),
+            "time": None if self._moment is None else self._moment[0],
+            "animation": None if self._moment is None else self._moment[1],
             "antialiasing": "multisample" if self._multisample else "supersample",
             "shading": self._shading,
             "hidden_surfaces": self._hidden_surfaces,
@@ -564,8 +599,27 @@ def _checked_sampler(sampler: str | None, renderer: str) -> str | None:
     return sampler
 
 
-def _checked_shutter(shutter: tuple[float, float] | None, renderer: str) -> tuple[float, float]:
-    if shutter is None:
+def _checked_moment(
+    shutter: tuple[float, float] | None, time: float | None, animation: str | int | None
+) -> tuple[float | None, str | int | None] | None:
+    """The time and the animation to show, no time where it is the shutter's; None where no animation is asked for."""
+    if time is not None:
+        if shutter is not None:
+            raise UnsupportedError("a picture is of one time, or of a shutter's; give time or shutter, not both")
+        try:
+            number = float(time)
+        except (TypeError, ValueError):
+            raise SceneError(f"time must be a number of seconds, got {time!r}") from None
+        if not math.isfinite(number):
+            raise SceneError(f"time must be finite, got {number}")
+        return number, animation
+    if shutter is not None:
+        return None, animation
+    return None if animation is None else (0.0, animation)
+
+
+def _checked_shutter(shutter: tuple[float, float] | None, renderer: str, time: float | None) -> tuple[float, float]:
+    if shutter is None or time is not None:
         return 0.0, 0.0
     try:
         opens, closes = (float(time) for time in shutter)

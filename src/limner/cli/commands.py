@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import click
 
 from .. import __version__
+from .curve import FRACTALS, KINDS
+from .mesh import mesh
+from .schema import schema
 from .talk import Talk
-from .values import BACKGROUND, TRIPLE, WORDS, Background, Triple
+from .values import BACKGROUND, INTERVAL, TRIPLE, WORDS, Background, Triple
+from .voice import voice as _voice
 
 __all__ = ["limner"]
 
@@ -22,26 +25,6 @@ MAX_VIEWS = 1_000_000
 _SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 120}
 
 
-def _voice(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that every command has; they set its `Talk`."""
-
-    def put(name: str) -> Callable[[click.Context, click.Parameter, bool], None]:
-        def callback(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
-            if value:
-                setattr(context.find_object(Talk), name, True)
-
-        return callback
-
-    for name, text in (
-        ("traceback", "On an error, show where in the program it arose."),
-        ("verbose", "Say what takes time, too."),
-        ("quiet", "Say nothing but errors."),
-    ):
-        option = click.option(f"--{name}", is_flag=True, expose_value=False, is_eager=True, callback=put(name), help=text)
-        command = option(command)
-    return command
-
-
 @click.group(context_settings=_SETTINGS)
 @click.version_option(__version__, prog_name="limner", message="%(prog)s %(version)s")
 def limner() -> None:
@@ -49,6 +32,10 @@ def limner() -> None:
 
     MODEL is a file (.glb, .gltf, .obj, …) or a built-in scene: teapot, cornell.
     """
+
+
+limner.add_command(mesh)
+limner.add_command(schema)
 
 
 @limner.command(short_help="Make a picture of a model.")
@@ -101,16 +88,30 @@ def limner() -> None:
     "--focus", type=click.FloatRange(0.0, min_open=True), metavar="D",
     help="Distance at which things are sharp, along the gaze.  [default: that of the target]",
 )  # fmt: skip
+@click.option("--time", type=float, metavar="S", help="The moment of the animation, seconds.  [default: what no animation has moved]")
+@click.option("--animation", metavar="NAME|INDEX|all", help="Which animation; all: all at once.  [default: the first]")
+@click.option(
+    "--shutter", type=INTERVAL, metavar="S,S", help="When the shutter opens and closes, seconds: what moves is blurred (ray, path).",
+)  # fmt: skip
 @click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
+@click.option("--model-up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Which axis of the model's file points up.")
+@click.option("--scalars", metavar="NAME", help="Colour by the numbers of that name (PLY properties, glTF _NAME), with a key.")
+@click.option("--color-map", metavar="MAP", default="viridis", show_default=True, help="How numbers become colours: cividis, cool_warm, …")
+@click.option("--scalar-range", type=INTERVAL, metavar="LOW,HIGH", help="What the ends of the map stand for.  [default: all there is]")
+@click.option(
+    "--point-size", type=click.FloatRange(0.0, min_open=True), metavar="R",
+    help="Radius of the points of clouds.  [default: from their spacing]",
+)  # fmt: skip
 @click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--transparent", is_flag=True, help="The same as --background transparent.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")
 @_voice
-@click.pass_obj
-def render(talk: Talk, /, **options: Any) -> None:
+@click.pass_context
+def render(context: click.Context, /, **options: Any) -> None:
     """Make a picture of MODEL.
 
     \b
@@ -119,12 +120,15 @@ def render(talk: Talk, /, **options: Any) -> None:
         limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
         limner render teapot -o blurred.png --renderer ray --samples 64 --aperture 0.1 --focus 5
 
-    Ctrl-C stops early and saves the picture so far.
+    What a scene file says about its picture counts unless the command line says otherwise. Ctrl-C stops early and saves the picture so far.
     """
     from .render import Order, make_picture
 
+    talk = context.find_object(Talk)
+    assert talk is not None
+    further = _settings_of_file(context, options)
     background = _one_background(options.pop("background"), options.pop("transparent"))
-    order = Order(background=background, **options)
+    order = Order(background=background, further=further, **options)
     _check_size(order.width, order.height)
     _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
     if order.output == "-" and order.as_json:
@@ -132,16 +136,32 @@ def render(talk: Talk, /, **options: Any) -> None:
     make_picture(order, talk)
 
 
+def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[str, Any]:
+    """Put the settings of a scene file in the place of defaults; return those for which there is no option."""
+    if not options["model"].lower().endswith((".yaml", ".yml", ".limner")):
+        return {}
+    from ..files.scene_file import settings_of
+
+    further = {}
+    for name, value in settings_of(options["model"]).items():
+        if name not in options:
+            further[name] = value
+        elif context.get_parameter_source(name) is click.core.ParameterSource.DEFAULT:
+            options[name] = value
+    return further
+
+
 @limner.command(short_help="Tell what is in a model, and what is wrong with it.")
 @click.argument("model")
+@click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @_voice
 @click.pass_obj
-def info(talk: Talk, model: str, as_json: bool) -> None:
+def info(talk: Talk, model: str, report: bool, as_json: bool) -> None:
     """Tell what is in MODEL, and what is wrong with it."""
     from .info import tell
 
-    tell(model, as_json, talk)
+    tell(model, as_json, talk, report)
 
 
 @limner.command(short_help="Make a data set: a model from all around, with depth, normals, masks, cameras.")
@@ -264,6 +284,9 @@ def convert(talk: Talk, /, **options: Any) -> None:
     \b
         limner convert render.exr small.png --width 640
         limner convert photo.jpg print.png --width 2400 --dpi 600 --halftone 75
+        limner convert chair.glb chair.stl
+
+    Where OUT is .obj, .ply or .stl, PICTURE is a model, and is written as it stands in the world.
     """
     from .convert import Order
     from .convert import convert as run
@@ -315,6 +338,50 @@ def turntable(talk: Talk, /, **options: Any) -> None:
     _check_size(order.width, order.height)
     _check_yfov(order.yfov)
     make_turntable(order, talk)
+
+
+@limner.command(short_help="Play a model's animation: GIF, WebP, animated PNG, MP4 or a folder of pictures.")
+@click.argument("model")
+@click.option(
+    "-o", "--output", required=True, metavar="CLIP",
+    help=".gif, .webp, .png (animated), .mp4 (needs the extra video), or a folder for PNGs.",
+)  # fmt: skip
+@click.option("--animation", metavar="NAME|INDEX|all", help="Which animation; all: all at once.  [default: the first]")
+@click.option("--fps", type=float, default=24.0, show_default=True, help="Pictures a second; at most 50 in a GIF.")
+@click.option("--start", type=float, metavar="S", help="Where to begin, seconds.  [default: the animation's start]")
+@click.option("--end", type=float, metavar="S", help="Where to end.  [default: the animation's end]")
+@click.option(
+    "--shutter", type=click.FloatRange(0.0, 1.0), default=0.0, show_default=True,
+    help="How much of a picture's time the shutter is open (ray, path): what moves is blurred.",
+)  # fmt: skip
+@click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model; frame: one that shows what is there at rest.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=640, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=480, show_default=True, help="Rows.")
+@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
+@click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow (ray, path).")
+@click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
+@click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_voice
+@click.pass_obj
+def animate(talk: Talk, /, **options: Any) -> None:
+    """Play the animation of MODEL.
+
+    \b
+        limner animate fox.glb -o walk.webp --animation Walk
+        limner animate robot.glb -o robot.mp4 --fps 30 --renderer path --samples 64 --shutter 0.5
+
+    `limner info` tells which animations there are. Ctrl-C leaves no half a file; in a folder, the pictures so far.
+    """
+    from .animate import Order, make_animation
+
+    order = Order(**options)
+    _check_size(order.width, order.height)
+    make_animation(order, talk)
 
 
 @limner.command(short_help="Show a model from all sides on one sheet, with axes, measures and facts.")
@@ -424,6 +491,46 @@ def wireframe(talk: Talk, /, **options: Any) -> None:
     _check_size(order.width, order.height)
     _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
     make_wireframe(order, talk)
+
+
+@limner.command(short_help="Draw a curve or a fractal: a picture or SVG.")
+@click.argument("kind", type=click.Choice([*KINDS, *FRACTALS]), metavar="KIND")
+@click.option("-o", "--output", required=True, metavar="OUT", help="The picture file, or .svg for vectors.")
+@click.option("--points", metavar='"X,Y X,Y …"', help="Control points, or points to go through; hermite: points and tangents in turn.")
+@click.option("--weights", metavar="W,W,…", help="One for each control point (bezier, nurbs).")
+@click.option("--degree", type=click.IntRange(1, 30), default=3, show_default=True, help="Of bspline and nurbs.")
+@click.option(
+    "--alpha", type=click.FloatRange(0.0, 1.0), default=0.5, show_default=True,
+    help="Of catmull-rom: 0 uniform, 0.5 centripetal, 1 chordal.",
+)  # fmt: skip
+@click.option("--tension", type=float, default=0.0, show_default=True, help="Of cardinal: 1 is the polygon.")
+@click.option("--closed", is_flag=True, help="Back to the first point.")
+@click.option("--construction", type=click.FloatRange(0.0, 1.0), metavar="U", help="Show how de Casteljau finds the point at U (bezier).")
+@click.option("--comb", is_flag=True, help="Show the curvature as a comb.")
+@click.option("--marks", type=click.IntRange(2, 10_000), metavar="N", help="Show dots at N equal distances, rings at N equal parameters.")
+@click.option("--level", type=click.IntRange(0, 100_000), help="Of fractals: how often they grow; mandelbrot, julia: most steps.")
+@click.option("--seed", type=click.IntRange(0, MAX_SEED), default=0, show_default=True, help="What random numbers begin with.")
+@click.option("--c", default="-0.8,0.156", show_default=True, metavar="RE,IM", help="Of julia.")
+@click.option("--bounds", metavar="L,B,R,T", help="What part of the plane mandelbrot and julia show.  [default: all]")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
+@click.option("--json", "as_json", is_flag=True, help="Tell length, bounds and joints of a curve as JSON on standard output.")
+@_voice
+@click.pass_obj
+def curve(talk: Talk, /, **options: Any) -> None:
+    """Draw a curve of KIND (bezier, bspline, nurbs, catmull-rom, cardinal, natural, hermite, polyline) or a fractal (koch, snowflake,
+    dragon, hilbert, gosper, sierpinski, levy, plant, fern, carpet, coast, mandelbrot, julia).
+
+    \b
+        limner curve bezier -o casteljau.svg --points "0,0 1,3 3,3 4,0" --construction 0.4
+        limner curve natural -o comb.png --points "0,0 1,2 3,1 4,3" --comb
+        limner curve mandelbrot -o seahorses.png --bounds=-0.76,0.08,-0.72,0.11 --level 1000
+    """
+    from .curve import Order, draw_curve
+
+    order = Order(**options)
+    _check_size(order.width, order.height)
+    draw_curve(order, talk)
 
 
 @limner.command(short_help="Make a picture of every model in a folder.")

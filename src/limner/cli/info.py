@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .model import open_model
+from .model import open_model, report_of_model
 from .talk import Talk, flattened
 
 if TYPE_CHECKING:
@@ -21,9 +21,12 @@ __all__ = ["describe", "tell"]
 _SHOWN = 20  # of a long list
 
 
-def tell(model: str, as_json: bool, talk: Talk) -> None:
-    """Write about `model` on standard output."""
-    told = describe(open_model(model))
+def tell(model: str, as_json: bool, talk: Talk, report: bool = False) -> None:
+    """Write about `model` on standard output; with `report`, what became of each part of its file, too."""
+    told_of_file = report_of_model(model) if report else None
+    told = describe(open_model(model) if told_of_file is None else told_of_file.scene)
+    if told_of_file is not None:
+        told["report"] = told_of_file.as_dict()
     if as_json:
         import json
 
@@ -32,7 +35,12 @@ def tell(model: str, as_json: bool, talk: Talk) -> None:
     click.echo(flattened(model))
     for line in _lines(told):
         click.echo("  " + flattened(line))
-    talk.note(told["notes"])
+    if told_of_file is None:
+        talk.note(told["notes"])
+    else:
+        click.echo(f"report ({flattened(told_of_file.format)})")
+        for line in told_of_file.lines():
+            click.echo("  " + flattened(line))
     talk.warn(told["warnings"])
 
 
@@ -61,6 +69,9 @@ def describe(scene: Scene) -> dict[str, Any]:
         "lights": [{"kind": type(light).__name__, "name": light.name, "node": place.path} for place, light in scene.lights()],
         "camera": None if scene.camera is None else type(scene.camera).__name__,
         "cameras": [{"kind": type(camera).__name__, "name": camera.name} for camera in scene.cameras()],
+        "animations": [
+            {"name": held.name, "start": held.start, "end": held.end, "channels": len(held.channels)} for held in scene.animations
+        ],
         "bounds": bounds if all(math.isfinite(number) for corner in bounds for number in corner) else None,
         "notes": list(scene.notes),
         "warnings": _slips(scene, list(meshes.values())),
@@ -124,6 +135,7 @@ def _lines(told: dict[str, Any]) -> list[str]:
         "textures   " + _listed([f"{t['name'] or '-'} {t['width']} x {t['height']}" for t in told["textures"]]),
         "lights     " + _listed([f"{light['kind']} {light['name'] or light['node']}" for light in told["lights"]]),
         "cameras    " + _listed(_cameras(told)),
+        "animations " + _listed([f"{k} {a['name'] or '-'} {a['end'] - a['start']:.4g} s" for k, a in enumerate(told["animations"])]),
     ]
     if told["bounds"] is None:
         return [*lines, "bounds     none"]

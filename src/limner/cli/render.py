@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
 from ..errors import LimnerError, SceneError
+from .animate import chosen_animation
 from .bar import Bar
 from .main import INTERRUPTED
-from .model import open_model
+from .model import open_model, report_of_model
 from .talk import Talk
 from .values import Background, Triple
 
 if TYPE_CHECKING:
+    from ..draw.color_bar import ColorBar
+    from ..files.report import LoadReport
     from ..image.image import Image
     from ..scene.camera import Camera
     from ..scene.scene import Scene
@@ -73,19 +76,30 @@ class Order:
     yfov: float | None
     aperture: float | None
     focus: float | None
+    time: float | None
+    animation: str | int | None
+    shutter: tuple[float, float] | None
     aovs: tuple[str, ...]
     environment: str | None
     ground: bool
+    model_up: str
+    scalars: str | None
+    color_map: str
+    scalar_range: tuple[float, float] | None
+    point_size: float | None
     background: Background | None
     threads: int | None
     as_json: bool
+    further: dict[str, Any] = field(default_factory=dict)
+    report: bool = False
 
 
 def make_picture(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     _check_output(order)
     started = time.perf_counter()
-    scene = open_model(order.model)
+    report = report_of_model(order.model, order.model_up) if order.report else None
+    scene, key = _by_numbers(order, open_model(order.model, order.model_up) if report is None else report.scene)
     if order.environment is not None:
         from ..scene.environment import Environment
 
@@ -95,7 +109,11 @@ def make_picture(order: Order, talk: Talk) -> None:
     camera = _with_lens(order, scene, chosen_camera(order, scene))
     if order.ground:
         scene = scene.with_ground()
-    talk.note(scene.notes)
+    if report is None:
+        talk.note(scene.notes)
+    else:
+        for line in report.lines():
+            talk.say("report", line)
     loaded = time.perf_counter()
 
     from ..render import render
@@ -120,13 +138,21 @@ def make_picture(order: Order, talk: Talk) -> None:
             culling=order.culling,
             filter=order.filter,
             camera=camera,
+            time=order.time,
+            animation=chosen_animation(order.animation),
+            shutter=order.shutter,
             threads=order.threads,
             aovs=order.aovs,
             on_progress=bar,
+            **order.further,
         )
     rendered = time.perf_counter()
     talk.warn(image.warnings)
     image = _with_origin(image, order)
+    if key is not None:
+        from ..draw.color_bar import with_color_bar
+
+        image = with_color_bar(image, key)
     image.save(order.output)
     saved = time.perf_counter()
 
@@ -136,7 +162,18 @@ def make_picture(order: Order, talk: Talk) -> None:
         talk.say("interrupted", f"the picture so far is in {order.output}")
         talk.code = INTERRUPTED
     if order.as_json:
-        _tell(order, scene, image, seconds)
+        _tell(order, scene, image, seconds, report)
+
+
+def _by_numbers(order: Order, scene: Scene) -> tuple[Scene, ColorBar | None]:
+    """The scene with its points as large, and by the numbers, as the command line asks; and the key to their colours."""
+    if order.scalars is None and order.point_size is None:
+        return scene, None
+    from ..produce.scalars import colored, with_point_size
+
+    if order.point_size is not None:
+        scene = with_point_size(scene, order.point_size)
+    return (scene, None) if order.scalars is None else colored(scene, order.scalars, order.color_map, order.scalar_range)
 
 
 def _with_origin(image: Image, order: Order) -> Image:
@@ -146,6 +183,8 @@ def _with_origin(image: Image, order: Order) -> Image:
     from ..image.recipe import Recipe
     from ..produce.again import origin
 
+    if order.model_up != "y" or order.scalars is not None or order.point_size is not None:
+        return image  # a recipe does not say these: of what model the picture is has to be named then
     told = origin(
         order.model, order.output, environment=order.environment, ground=order.ground, background=order.background
     )
@@ -219,7 +258,7 @@ def _check_output(order: Order) -> None:
             raise click.UsageError("-o - would write a PNG to the terminal; send it to a file or a pipe")
 
 
-def _tell(order: Order, scene: Scene, image: Image, seconds: dict[str, float]) -> None:
+def _tell(order: Order, scene: Scene, image: Image, seconds: dict[str, float], report: LoadReport | None) -> None:
     import json
 
     told: dict[str, Any] = {
@@ -233,5 +272,6 @@ def _tell(order: Order, scene: Scene, image: Image, seconds: dict[str, float]) -
         "notes": list(scene.notes),
         "warnings": list(image.warnings),
         "recipe": dict(image.recipe),
+        **({} if report is None else {"report": report.as_dict()}),
     }
     click.echo(json.dumps(told, sort_keys=True))

@@ -21,16 +21,20 @@ from numpy.typing import NDArray
 
 from ..errors import FileFormatError, LimnerError, UnsupportedError
 from ..linear.transform import compose_trs
+from ..mesh.mesh import Mesh
 from ..scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from ..scene.light import DirectionalLight, Light, PointLight, SpotLight
-from ..scene.node import MAX_DEPTH, Node
+from ..scene.node import MAX_DEPTH, Node, names_among_siblings
+from ..scene.points import PointCloud
 from ..scene.scene import Scene
 from ..scene.shape import Shape
 from .accessors import Accessors
 from .document import Element, parse_json
 from .glb import MAGIC, read_container
+from .gltf_animation import Animations, Names
 from .gltf_material import Materials
 from .gltf_mesh import Meshes
+from .gltf_rig import Rigs
 from .limits import DEFAULT, Limits
 from .notes import Notes, quoted, without_path
 from .sources import Sources
@@ -39,8 +43,8 @@ __all__ = ["HANDLED", "read"]
 
 # What is drawn. Of the others each reader's note says that it is ignored.
 HANDLED = frozenset({
-    "EXT_mesh_gpu_instancing", "EXT_texture_avif", "EXT_texture_webp", "KHR_lights_punctual", "KHR_materials_emissive_strength",
-    "KHR_materials_unlit", "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing", "EXT_texture_avif", "EXT_texture_webp", "KHR_animation_pointer", "KHR_lights_punctual",
+    "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
 })  # fmt: skip
 NOTED_WHERE_USED = frozenset({"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_materials_pbrSpecularGlossiness"})
 
@@ -97,7 +101,13 @@ class _Reader:
         self._accessors = Accessors(root, binary, sources, notes)
         self._meshes = Meshes(root, self._accessors, sources.limits, notes)
         self._materials = Materials(root, self._accessors, sources, notes)
+        self._rigs = Rigs(root, self._accessors, notes)
+        self._animations = Animations(root, self._accessors, notes)
+        self._materials.rename(self._animations.pointed_at("/materials/"))
+        self._moving_lights = self._animations.pointed_at("/extensions/KHR_lights_punctual/lights/")
+        self._moving_cameras = self._animations.pointed_at("/cameras/")
         self._shapes: dict[int, tuple[Shape, ...]] = {}
+        self._paths: dict[int, str] = {}
 
     def scene(self) -> Scene:
         """Build the scene that the file shows by default."""
@@ -108,6 +118,7 @@ class _Reader:
         shown = self._reachable(roots, children)
         self._check_size(roots, children, [node for node in order if node in shown])
         self._prepare_materials(shown)
+        self._paths = self._paths_of(roots, children)
         built: dict[int, Node] = {}
         for index in order:
             if index in shown:
@@ -116,7 +127,9 @@ class _Reader:
             raise self._meshes.first_error
         self._note_leftovers(shown)
         name = (chosen.name() if chosen is not None else "") or Path(self._root.path).stem
-        return Scene(Node(children=tuple(built[index] for index in roots)), name=name, notes=self._notes.lines())
+        root = Node(children=tuple(built[index] for index in roots))
+        animations = self._animations.read(Names(self._paths, self._materials.name, self._light_name, self._camera_name))
+        return Scene(root, name=name, notes=self._notes.lines(), animations=animations)
 
     # The graph
 
@@ -223,6 +236,24 @@ class _Reader:
         if self._n_nodes > self._limits.max_nodes:
             raise self._root.error(f"the scene exceeds the limit of {self._limits.max_nodes} nodes (max_nodes)", "nodes")
 
+    def _paths_of(self, roots: list[int], children: list[list[int]]) -> dict[int, str]:
+        """What each node's path will be; of one that stands below several parents, the first."""
+        paths: dict[int, str] = {}
+        stack = [("world", roots)]
+        while stack:
+            path, below = stack.pop()
+            for index, name in zip(below, names_among_siblings([self._nodes[child].name() for child in below]), strict=True):
+                if index not in paths:
+                    paths[index] = f"{path}/{name}"
+                    stack.append((paths[index], children[index]))
+        return paths
+
+    def _light_name(self, index: int) -> str:
+        return f"light {index}" if index in self._moving_lights else self._lights[index].name()
+
+    def _camera_name(self, index: int) -> str:
+        return f"camera {index}" if index in self._moving_cameras else self._cameras[index].name()
+
     # What stands at the nodes
 
     def _prepare_materials(self, shown: set[int]) -> None:
@@ -256,6 +287,8 @@ class _Reader:
             cameras=self._cameras_of(node, name),
             children=children if instances is None else (*children, *instances),
             visible=self._visible(node),
+            weights=self._weights(index),
+            skin=self._rigs.skin(node, self._paths) if shapes else None,
         )
 
     def _matrix(self, node: Element) -> NDArray[np.float64]:
@@ -288,8 +321,6 @@ class _Reader:
         mesh = self._mesh_of(index)
         if mesh is None:
             return ()
-        if self._nodes[index].has("skin"):
-            self._notes.add("skins are ignored: skinned meshes stand as they were modelled, unposed")
         if mesh not in self._shapes:
             try:
                 primitives = self._meshes.primitives(mesh)
@@ -297,10 +328,33 @@ class _Reader:
                 self._notes.slip(f"/meshes/{mesh} is left out: {without_path(error)}")
                 primitives = []
             found = [(primitive, self._meshes.of(primitive, self._meshes.name(mesh))) for primitive in primitives]
-            self._shapes[mesh] = tuple(
-                Shape(geometry, (self._materials.of(primitive),)) for primitive, geometry in found if geometry is not None
-            )
+            self._shapes[mesh] = tuple(self._shape(primitive, geometry) for primitive, geometry in found if geometry is not None)
         return self._shapes[mesh]
+
+    def _shape(self, primitive: Element, geometry: Mesh | PointCloud) -> Shape:
+        if isinstance(geometry, PointCloud):
+            return Shape(geometry, (self._materials.of(primitive),))
+        n_vertices, kept = self._meshes.vertices_of(geometry)
+        try:
+            morphs = self._rigs.morphs(primitive, geometry, n_vertices, kept)
+            binding = self._rigs.binding(primitive, n_vertices, kept)
+        except LimnerError as error:
+            self._notes.slip(f"neither morphed nor skinned: {without_path(error)}")
+            morphs, binding = (), None
+        return Shape(geometry, (self._materials.of(primitive),), morphs, binding)
+
+    def _weights(self, index: int) -> tuple[float, ...]:
+        """How far the meshes of a node are morphed: by its own weights, else by those of its mesh."""
+        mesh = self._mesh_of(index)
+        if mesh is None:
+            return ()
+        for owner in (self._nodes[index], self._meshes.element(mesh)):
+            try:
+                if owner.has("weights"):
+                    return tuple(weight.number() for weight in owner.array("weights"))
+            except LimnerError as error:
+                self._notes.slip(f"{owner.pointer} is not morphed: {without_path(error)}")
+        return ()
 
     def _instances(self, node: Element, shapes: tuple[Shape, ...]) -> tuple[Node, ...] | None:
         """Return one child for each place that EXT_mesh_gpu_instancing gives the mesh; None: it stands here, once."""
@@ -334,7 +388,8 @@ class _Reader:
             reference = punctual.get("light") if punctual is not None else None
             if reference is None:
                 return ()
-            return (_light(self._lights[reference.index(len(self._lights))], node.name()),)
+            index = reference.index(len(self._lights))
+            return (_light(self._lights[index], self._light_name(index) or node.name()),)
         except LimnerError as error:
             self._notes.slip(f"{node.pointer} has no light: {without_path(error)}")
             return ()
@@ -344,7 +399,11 @@ class _Reader:
             reference = node.get("camera")
             if reference is None:
                 return ()
-            camera = _camera(self._cameras[reference.index(len(self._cameras))])
+            index = reference.index(len(self._cameras))
+            camera = _camera(self._cameras[index])
+            if index in self._moving_cameras:
+                name = self._camera_name(index)
+                camera = dataclasses.replace(camera, name=name)
         except LimnerError as error:
             self._notes.slip(f"{node.pointer} has no camera: {without_path(error)}")
             return ()
@@ -363,8 +422,6 @@ class _Reader:
                 self._notes.add(f"extension {quoted(name)} is ignored")
 
     def _note_leftovers(self, shown: set[int]) -> None:
-        if self._root.has("animations"):
-            self._notes.add("animations are ignored: everything stands in its rest pose")
         if len(self._meshes) and not any(self._mesh_of(index) is not None for index in shown):
             self._notes.slip("the file has meshes, but its scene shows none of them")
         if self._meshes.n_degenerate:
@@ -395,11 +452,10 @@ def _check_version(root: Element) -> None:
         raise UnsupportedError(f"{root.path}: glTF version {found} is not supported, only 2.0 is")
 
 
-def _light(light: Element, node_name: str) -> Light:
+def _light(light: Element, name: str) -> Light:
     """**Source**: Khronos Group, *KHR_lights_punctual*."""
     color = light.get_numbers("color", (1.0, 1.0, 1.0), 0.0)
     intensity = light.get_number("intensity", 1.0, 0.0)
-    name = light.name() or node_name
     kind = light.child("type").text()
     if kind == "directional":
         return DirectionalLight((color[0], color[1], color[2]), intensity, name=name)

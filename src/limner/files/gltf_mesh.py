@@ -1,4 +1,4 @@
-"""Meshes of glTF: a primitive's accessors become a `Mesh` (glTF 2.0, section 3.7.2).
+"""Meshes of glTF: a primitive's accessors become a `Mesh`, or a `PointCloud` (glTF 2.0, section 3.7.2).
 
 What the file promises is checked, what is broken in few places is repaired and noted: triangles that refer to vertices that
 do not exist or lie at infinity are left out, normals without length are replaced by those of the surface.
@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import LimnerError, UnsupportedError
+from ..errors import LimnerError
 from ..mesh.mesh import Mesh
+from ..scene.points import PointCloud
 from .accessors import Accessors
 from .document import Element
+from .draco import DracoError, decode
 from .limits import Limits
 from .notes import Notes, without_path
 from .triangles import count_degenerate, finite_rows
@@ -78,12 +80,13 @@ class Meshes:
         self._accessors = accessors
         self._limits = limits
         self._notes = notes
-        self._built: dict[tuple[Any, ...], Mesh | None] = {}
+        self._built: dict[tuple[Any, ...], Mesh | PointCloud | None] = {}
         self._n_vertices = 0
         self._n_triangles = 0
         self.n_degenerate = 0
         self.first_error: LimnerError | None = None
         self.n_built = 0
+        self._kept: dict[int, tuple[int, Indices | None]] = {}
 
     def __len__(self) -> int:
         return len(self._meshes)
@@ -92,12 +95,20 @@ class Meshes:
         """The primitives of mesh `index`."""
         return self._meshes[index].child("primitives").elements()
 
+    def element(self, index: int) -> Element:
+        """Mesh `index` of the document."""
+        return self._meshes[index]
+
     def name(self, index: int) -> str:
         """The name of mesh `index`."""
         return self._meshes[index].name()
 
-    def of(self, primitive: Element, name: str) -> Mesh | None:
-        """Return the mesh of a primitive; None, with a note, where there is nothing to draw or it cannot be read."""
+    def vertices_of(self, mesh: Mesh) -> tuple[int, Indices | None]:
+        """How many vertices the file has of a mesh, and which of them it kept (None: all)."""
+        return self._kept[id(mesh)]
+
+    def of(self, primitive: Element, name: str) -> Mesh | PointCloud | None:
+        """Return the mesh of a primitive, or its points; None, with a note, where there is nothing to draw or it cannot be read."""
         try:
             key = _identity(primitive)
             if key not in self._built:
@@ -109,26 +120,70 @@ class Meshes:
             self._notes.slip(f"left out: {without_path(error)}", primitive.pointer)
             return None
 
-    def _build(self, primitive: Element, name: str) -> Mesh | None:
+    def _build(self, primitive: Element, name: str) -> Mesh | PointCloud | None:
         mode = primitive.get_integer("mode", TRIANGLES)
         if mode > TRIANGLE_FAN:
             raise primitive.error(f"must be at most {TRIANGLE_FAN}, got {mode}", "mode")
-        if mode < TRIANGLES:
-            self._notes.add(f"left out, {'points' if mode == POINTS else 'lines'} are not drawn", primitive.pointer)
+        if POINTS < mode < TRIANGLES:
+            self._notes.add("left out, lines are not drawn", primitive.pointer)
             return None
         attributes = primitive.child("attributes")
-        if primitive.has("targets"):
-            self._notes.add("morph targets are ignored: meshes stand in their base shape")
         reference = attributes.get("POSITION")
         if reference is None:
             self._notes.add("left out, it has no positions", primitive.pointer)
             return None
-        if primitive.extension("KHR_draco_mesh_compression") is not None and not self._accessors.has_data(reference):
-            raise UnsupportedError(
-                f"{primitive.path} is compressed with KHR_draco_mesh_compression, which limner cannot decode; "
-                "`gltf-transform copy in.glb out.glb` unpacks it"
-            )
+        compressed = primitive.extension("KHR_draco_mesh_compression")
+        if compressed is not None and not self._accessors.has_data(reference):
+            self._decompress(primitive, compressed)
+            mode = TRIANGLES  # what was a strip comes back as triangles
+        if mode == POINTS:
+            return self._cloud(primitive, attributes, reference, name)
         return self._assemble(primitive, attributes, reference, mode, name)
+
+    def _decompress(self, primitive: Element, compressed: Element) -> None:
+        """Give the accessors of a primitive what its Draco stream holds.
+
+        **Source**: Khronos Group, *KHR_draco_mesh_compression*.
+        """
+        attributes = primitive.child("attributes")
+        if self._n_vertices + self._accessors.count(attributes.child("POSITION")) > self._limits.max_vertices:
+            raise primitive.error(f"exceeds the limit of {self._limits.max_vertices} vertices (max_vertices)")
+        stream = self._accessors.view_bytes(compressed.child("bufferView"))
+        try:
+            mesh = decode(stream, f"{primitive.path}, {primitive.pointer}")
+        except DracoError as error:
+            raise compressed.error(str(error)) from None
+        for name in compressed.child("attributes").keys():  # noqa: SIM118 (an Element is no dictionary)
+            number = compressed.child("attributes").child(name)
+            reference = attributes.get(name)
+            if reference is not None:
+                values = mesh.attributes.get(number.integer())
+                missing = number.error(f"must be one of {sorted(mesh.attributes)}, got {number.integer()}")
+                self._accessors.supply(reference, missing if values is None else values)
+        indices = primitive.get("indices")
+        if indices is None:
+            raise primitive.error("is missing", "indices")
+        self._accessors.supply(indices, mesh.triangles.reshape(-1, 1))
+
+    def _cloud(self, primitive: Element, attributes: Element, reference: Element, name: str) -> PointCloud | None:
+        n_vertices = self._accessors.count(reference)
+        self._n_vertices += n_vertices
+        self._check_limits(primitive, 0)
+        positions = self._accessors.floats(reference, "VEC3")
+        indices = primitive.get("indices")
+        chosen = np.arange(n_vertices) if indices is None else np.unique(self._accessors.indices(indices))
+        kept = chosen[chosen < n_vertices]
+        kept = kept[finite_rows(positions[kept])]
+        if len(kept) < len(chosen):
+            text = f"{len(chosen) - len(kept)} of {len(chosen)} points do not exist or are not finite and are left out"
+            self._notes.slip(text, primitive.pointer)
+        if not len(kept):
+            self._notes.add("left out, it has no points", primitive.pointer)
+            return None
+        reader = _Attributes(attributes, self._accessors, self._notes, n_vertices, None if len(kept) == n_vertices else kept)
+        normals = reader.unit_vectors("NORMAL", "VEC3")
+        positions = np.ascontiguousarray(positions[kept])
+        return PointCloud(positions, reader.colors(), normals, scalars=reader.scalars(), name=name)
 
     def _assemble(self, primitive: Element, attributes: Element, reference: Element, mode: int, name: str) -> Mesh | None:
         n_vertices = self._accessors.count(reference)
@@ -160,10 +215,13 @@ class Meshes:
         uvs, uvs1 = reader.uvs("TEXCOORD_0"), reader.uvs("TEXCOORD_1")
         if uvs1 is not None and uvs is None:
             uvs = np.zeros_like(uvs1)
-        return Mesh(
+        mesh = Mesh(
             positions, triangles,
             normals=normals, uvs=uvs, uvs1=uvs1, colors=reader.colors(), tangents=tangents, name=name,
+            scalars=reader.scalars(),
         )  # fmt: skip
+        self._kept[id(mesh)] = n_vertices, kept
+        return mesh
 
     def _check_limits(self, primitive: Element, n_more_triangles: int) -> None:
         if self._n_triangles + n_more_triangles > self._limits.max_triangles:
@@ -241,6 +299,19 @@ class _Attributes:
             self._notes.slip("coordinates that are not finite are set to 0", f"{self._attributes.pointer}/{name}")
             turned = np.where(np.isfinite(turned), turned, np.float32(0.0))
         return turned
+
+    def scalars(self) -> dict[str, Floats]:
+        """What an application has to say of each vertex, ``_NAME``, by its name without the underscore; numbers only, no vectors."""
+        found = {}
+        for name in self._attributes.keys():  # noqa: SIM118 (an Element is no dictionary)
+            values = self._read(name, "SCALAR") if name.startswith("_") and self._is_scalar(name) else None
+            if values is not None:
+                found[name.removeprefix("_")] = values.reshape(-1)
+        return found
+
+    def _is_scalar(self, name: str) -> bool:
+        reference = self._attributes.get(name)
+        return reference is not None and self._accessors.type_of(reference) == "SCALAR"
 
     def colors(self) -> Floats | None:
         """Linear vertex colours; integers are fractions, though the file may have forgotten to say so."""

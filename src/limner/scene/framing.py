@@ -151,7 +151,10 @@ def extent_points(scene: Scene) -> Matrix:
     found = [np.zeros((0, 3))]
     for placed, shape in shapes:
         geometry = shape.geometry
-        if isinstance(geometry, Mesh) and n_vertices <= _MAX_POINTS:
+        if shape.displacement is not None:
+            low, high = geometry.bounds + np.array([[-shape.displacement.reach], [shape.displacement.reach]])
+            local = low + (high - low) * (_CUBE + 0.5)
+        elif isinstance(geometry, Mesh) and n_vertices <= _MAX_POINTS:
             local = np.asarray(geometry.positions, dtype=np.float64)
             if len(geometry.triangles) < len(local):
                 local = local[np.unique(geometry.triangles)]

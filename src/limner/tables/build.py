@@ -18,13 +18,15 @@ from ..scene.light import AmbientLight, AreaLight, DirectionalLight, PointLight,
 from ..scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, Material, MetallicRoughness, ShadowCatcher
 from ..scene.scene import Scene
 from ..scene.shape import Box, Combination, Shape
-from ..scene.texture import Texture
+from ..scene.texture import AnyTexture
 from . import layouts
 from .camera import camera_record, near_and_far, raster_from_world
 from .exact import Numbers, fill_shape, leaves_and_program, materials_of
+from .frames import with_frames
 from .layouts import SceneTables
+from .relief import Reliefs
 from .stand_ins import Sight, StandIns, flattens, inverse, tessellation
-from .textures import texture_tables
+from .textures import asks_for_detail, mean_color, texture_tables
 
 __all__ = ["Built", "View", "build", "flatten", "media_table", "names", "view"]
 
@@ -78,12 +80,19 @@ class Built(NamedTuple):
     textures : tuple of Texture
     geometry : tuple
         MESH_RANGES, positions, triangles, attributes and slots of the meshes alone.
+    stand_ins : StandIns
+    reliefs : Reliefs
+    notes : tuple of str
+        What could not be made as it was asked for.
     """
 
     tables: SceneTables
     meshes: tuple[Mesh, ...]
-    textures: tuple[Texture, ...]
+    textures: tuple[AnyTexture, ...]
     geometry: _Geometry
+    stand_ins: StandIns
+    reliefs: Reliefs
+    notes: tuple[str, ...]
 
 
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
@@ -114,18 +123,27 @@ def flatten(
     """
     materials, first_material = _material_rows(scene)
     shapes = scene.shapes(time)
-    sight = Sight(camera.standing(time), height, scene.bounds())
-    stand_ins = StandIns(() if previous is None else previous.meshes)
-    rows: dict[int, int] = {}
-    meshes: list[Mesh] = []
+    sight = Sight(camera.standing(time), width, height, scene.bounds())
+    stand_ins = StandIns(None if previous is None else previous.stand_ins)
+    reliefs = Reliefs(None if previous is None else previous.reliefs)
+    meshes = _Meshes()
     numbers, programs = Numbers(), Numbers()
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
+    _place(instances, _matrices([placed.world_from_object for placed, _ in shapes]))
+    instances["owner"] = np.arange(len(shapes))
+    instances["material"] = [first_material[id(shape)] for _, shape in shapes]
     leaves: list[NDArray[np.void]] = []
-    for k, (row, (placed, shape)) in enumerate(zip(instances, shapes, strict=True)):
+    for row, (placed, shape) in zip(instances, shapes, strict=True):
+        if isinstance(shape, LampShape):
+            row["lamp"] = shape.light + 1
+        if isinstance(shape.geometry, Mesh) and shape.displacement is None:
+            # What a scene may have a hundred thousand of.
+            row["mesh"] = meshes.row(shape, shape.geometry)
+            continue
         matrix = placed.world_from_object
-        _place(row, matrix, k, first_material[_material_key(shape)])
-        row["lamp"] = shape.light + 1 if isinstance(shape, LampShape) else 0
-        if isinstance(shape.geometry, Combination):
+        if shape.displacement is not None:
+            pass  # what is moved is a mesh
+        elif isinstance(shape.geometry, Combination):
             if not tessellate and not flattens(matrix):
                 first = len(instances) + sum(map(len, leaves))
                 leaves.append(_combine(row, shape, matrix, first, numbers, programs))
@@ -134,18 +152,19 @@ def flatten(
         # What is left a mesh is one, or no ray can be taken into its space and back.
         if tessellate or row["kind"] in (layouts.MESH, layouts.BOX):
             mesh = tessellation(shape, matrix, sight, stand_ins)
-            if id(mesh) not in rows:
-                rows[id(mesh)] = len(meshes)
-                meshes.append(mesh)
-            row["mesh"] = rows[id(mesh)]
+            if shape.displacement is not None:
+                mesh = reliefs.get(shape, mesh, matrix, inverse(matrix), sight, placed.path)
+            row["mesh"] = meshes.row(shape, mesh)
     instances = np.concatenate([instances, *leaves])
-    textures: dict[Texture, int] = {}
+    detailed = {id(shape): any(map(_is_detailed, materials_of(shape))) for shape in {id(shape): shape for _, shape in shapes}.values()}
+    instances["detailed"] = np.array([detailed[id(shape)] for _, shape in shapes], dtype=np.int32)[instances["owner"]]
+    textures: dict[AnyTexture, int] = {}
     material_table = _material_table(materials, textures, camera.place(time))
     for row in instances[instances["lamp"] > 0]:
         # Asked as a light, not as a shining surface.
         material_table[row["material"]]["emission_weight"] = 0.0
-    reused = previous is not None and _same(previous.meshes, meshes)
-    geometry = previous.geometry if previous is not None and reused else _geometry_tables(meshes)
+    reused = previous is not None and _same(previous.meshes, meshes.found)
+    geometry = previous.geometry if previous is not None and reused else _geometry_tables(meshes.found)
     ranges, positions, triangles, attributes, slots = geometry
     _shift_places(instances, len(attributes), len(slots))
     if previous is not None and _same(previous.textures, tuple(textures)):
@@ -156,17 +175,47 @@ def flatten(
         instances, ranges, positions, triangles, numbers.behind(attributes), programs.behind(slots), material_table,
         _light_table(scene, time), texture_table, texels,
     )  # fmt: skip
-    return Built(tables, tuple(meshes), tuple(textures), geometry)
+    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes)
 
 
-def _place(row: np.void, matrix: NDArray[np.float64], owner: int, material: int) -> None:
-    """Fill what an instance has of its place, and of what it belongs to; it is a mesh until something else is said."""
-    row["world_from_object"] = matrix[:3]
-    row["object_from_world"] = inverse(matrix)[:3]
-    row["world_from_normal"] = _unit_scale(normal_matrix(matrix))
-    row["flipped"] = np.linalg.det(matrix[:3, :3]) < 0.0
-    row["owner"], row["material"] = owner, material
-    row["kind"], row["mesh"], row["place"] = layouts.MESH, -1, -1
+class _Meshes:
+    """The meshes of a scene in the order of their first use."""
+
+    def __init__(self) -> None:
+        self.found: list[Mesh] = []
+        self._rows: dict[int, int] = {}
+        self._of_shapes: dict[tuple[int, int], int] = {}
+
+    def row(self, shape: Shape, mesh: Mesh) -> int:
+        """Where the mesh stands that shows a shape: the given one, with tangents where a material asks for them."""
+        key = id(shape), id(mesh)
+        if key not in self._of_shapes:
+            framed = with_frames(mesh, materials_of(shape))
+            if id(framed) not in self._rows:
+                self._rows[id(framed)] = len(self.found)
+                self.found.append(framed)
+            self._of_shapes[key] = self._rows[id(framed)]
+        return self._of_shapes[key]
+
+
+def _matrices(places: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    return np.array(places, dtype=np.float64).reshape(-1, 4, 4)
+
+
+def _place(rows: NDArray[np.void], matrices: NDArray[np.float64]) -> None:
+    """Fill what instances have of their places, (n, 4, 4); they are meshes until something else is said."""
+    rows["world_from_object"] = matrices[:, :3]
+    rows["object_from_world"] = _inverses(matrices)[:, :3]
+    rows["world_from_normal"] = _unit_scale(normal_matrix(matrices))
+    rows["flipped"] = np.linalg.det(matrices[:, :3, :3]) < 0.0
+    rows["kind"], rows["mesh"], rows["place"] = layouts.MESH, -1, -1
+
+
+def _inverses(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    try:
+        return np.linalg.inv(matrices).astype(np.float64)
+    except np.linalg.LinAlgError:
+        return _matrices([inverse(matrix) for matrix in matrices])
 
 
 def _combine(
@@ -177,9 +226,11 @@ def _combine(
     parts, program = leaves_and_program(shape.geometry)
     group = [id(material) for material in materials_of(shape)]
     leaves = np.zeros(len(parts), dtype=layouts.INSTANCE)
+    _place(leaves, _matrices([matrix @ part.combination_from_leaf for part in parts]))
+    leaves["owner"] = row["owner"]
     for leaf, part in zip(leaves, parts, strict=True):
         material = shape.materials[0] if part.material is None else part.material
-        _place(leaf, matrix @ part.combination_from_leaf, int(row["owner"]), int(row["material"]) + group.index(id(material)))
+        leaf["material"] = int(row["material"]) + group.index(id(material))
         fill_shape(leaf, part.geometry, numbers)
     programs.put(row, program)
     row["kind"], row["leaf"], row["n_leaves"], row["n_program"] = layouts.CSG, first, len(leaves), len(program)
@@ -189,7 +240,7 @@ def _combine(
 def _shift_places(instances: NDArray[np.void], n_attributes: int, n_slots: int) -> None:
     """Count places of numbers and programs from the beginning of the arrays that they stand in, behind what meshes have there."""
     kinds = instances["kind"]
-    instances["place"][np.isin(kinds, (layouts.QUADRIC, layouts.PATCH))] += n_attributes
+    instances["place"][np.isin(kinds, (layouts.QUADRIC, layouts.PATCH, layouts.DISTANCE_FIELD))] += n_attributes
     instances["place"][kinds == layouts.CSG] += n_slots
 
 
@@ -262,31 +313,32 @@ def _with_alpha(colors: NDArray[np.float32] | None) -> NDArray[np.float32] | Non
     return np.concatenate([colors, np.ones((len(colors), 1), dtype=np.float32)], axis=1)
 
 
-def _unit_scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    largest = np.abs(matrix).max()
-    return matrix / largest if largest > 0.0 else np.eye(3)
+def _unit_scale(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 3, 3): each by its greatest number; the identity where all are 0."""
+    largest = np.abs(matrices).max(axis=(1, 2), keepdims=True)
+    made: NDArray[np.float64] = np.where(largest > 0.0, matrices / np.where(largest > 0.0, largest, 1.0), np.eye(3))
+    return made
 
 
 # --- materials ------------------------------------------------------------------------------------------------------------
 
 
-def _material_key(shape: Shape) -> tuple[int, ...]:
-    return tuple(id(material) for material in materials_of(shape))
-
-
-def _material_rows(scene: Scene) -> tuple[list[Material], dict[tuple[int, ...], int]]:
-    """Materials in the order of their first use, those of one shape side by side, and where each such group begins."""
+def _material_rows(scene: Scene) -> tuple[list[Material], dict[int, int]]:
+    """Materials in the order of their first use, those of one shape side by side, and where each shape's begin, by its identity."""
     rows: list[Material] = []
     first: dict[tuple[int, ...], int] = {}
+    of_shapes: dict[int, int] = {}
     for _, shape in scene.shapes():
-        key = _material_key(shape)
-        if key not in first:
-            first[key] = len(rows)
-            rows.extend(materials_of(shape))
-    return rows, first
+        if id(shape) not in of_shapes:
+            key = tuple(id(material) for material in materials_of(shape))
+            if key not in first:
+                first[key] = len(rows)
+                rows.extend(materials_of(shape))
+            of_shapes[id(shape)] = first[key]
+    return rows, of_shapes
 
 
-def _material_table(materials: list[Material], textures: dict[Texture, int], eye: NDArray[np.float64]) -> NDArray[np.void]:
+def _material_table(materials: list[Material], textures: dict[AnyTexture, int], eye: NDArray[np.float64]) -> NDArray[np.void]:
     table = np.zeros(len(materials), dtype=layouts.MATERIAL)
     dielectrics = [material for material in materials if isinstance(material, Dielectric)]
     if len(dielectrics) > layouts.MAX_MEDIA:
@@ -301,6 +353,7 @@ def _material_table(materials: list[Material], textures: dict[Texture, int], eye
             if field.endswith("_texture"):
                 row[field] = -1
         _FILL[type(material)](row, material, textures)
+        _fill_relief(row, material, textures)
         if isinstance(material, CoolToWarm):
             row["towards"] = _towards(material, eye)
     table["medium"][[isinstance(material, Dielectric) for material in materials]] = np.arange(1, len(dielectrics) + 1)
@@ -329,24 +382,39 @@ def media_table(scene: Scene) -> NDArray[np.void]:
 def _emission_weight(material: Material) -> float:
     """The luminance of what a material gives off, its texture averaged: how often a path tracer asks it for light."""
     weight = float(np.dot(material.emission, (0.2126, 0.7152, 0.0722)))
-    texture = material.emissive_texture if isinstance(material, MetallicRoughness) else None
+    texture = getattr(material, "emissive_texture", None) or getattr(material, "emission_texture", None)
     if weight > 0.0 and texture is not None:
-        pixels = texture.texels.pixels
-        few = pixels[:: max(1, pixels.shape[0] // 64), :: max(1, pixels.shape[1] // 64), :3] / 255.0
-        weight *= max(float((few**2.2).mean()), 1e-3)
+        weight *= max(float(mean_color(texture).mean()), 1e-3)
     return weight
 
 
-def _row(texture: Texture | None, textures: dict[Texture, int]) -> int:
+def _is_detailed(material: Material) -> bool:
+    """Whether a material's textures ask where on the object a point is."""
+    found = {name: value for name, value in vars(material).items() if name.endswith("texture")}
+    return found.get("bump_texture") is not None or any(map(asks_for_detail, found.values()))
+
+
+def _row(texture: AnyTexture | None, textures: dict[AnyTexture, int]) -> int:
     return -1 if texture is None else textures.setdefault(texture, len(textures))
 
 
-def _fill_lambert(row: np.void, material: Lambert, textures: dict[Texture, int]) -> None:
+def _fill_relief(row: np.void, material: Material, textures: dict[AnyTexture, int]) -> None:
+    """Normal map, bumps and the texture of the coverage, of those materials that have them."""
+    row["normal_texture"] = _row(getattr(material, "normal_texture", None), textures)
+    row["normal_scale"] = getattr(material, "normal_scale", 1.0)
+    row["bump_texture"] = _row(getattr(material, "bump_texture", None), textures)
+    row["bump_scale"] = getattr(material, "bump_scale", 1.0)
+    row["alpha_texture"] = _row(getattr(material, "alpha_texture", None), textures)
+    row["alpha_channel"] = ("r", "g", "b", "alpha").index(getattr(material, "alpha_channel", "r"))
+
+
+def _fill_lambert(row: np.void, material: Lambert, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["ambient"] = layouts.LAMBERT, material.color, (-1.0, -1.0, -1.0)
     row["color_texture"] = _row(material.texture, textures)
+    row["emission_texture"] = _row(material.emission_texture, textures)
 
 
-def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture, int]) -> None:
+def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["specular"] = layouts.BLINN_PHONG, material.diffuse, material.specular
     row["exponent"], row["mirror"] = material.exponent, material.mirror
     row["mirror_blur"] = material.mirror_blur or 0.0
@@ -355,6 +423,7 @@ def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[Texture
     row["specular_scale"] = _highlight_scale(material) if material.normalized else 1.0
     row["color_texture"] = _row(material.diffuse_texture, textures)
     row["specular_texture"] = _row(material.specular_texture, textures)
+    row["emission_texture"] = _row(material.emission_texture, textures)
 
 
 def _highlight_scale(material: BlinnPhong) -> float:
@@ -362,28 +431,28 @@ def _highlight_scale(material: BlinnPhong) -> float:
     return (material.exponent + 2.0) / 8.0 if material.highlight == "blinn" else (material.exponent + 1.0) / 2.0
 
 
-def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures: dict[Texture, int]) -> None:
+def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["ambient"] = layouts.METALLIC_ROUGHNESS, material.base_color, (-1.0, -1.0, -1.0)
     row["metallic"], row["roughness"], row["unlit"] = material.metallic, material.roughness, material.unlit
-    row["normal_scale"], row["occlusion_strength"] = material.normal_scale, material.occlusion_strength
+    row["occlusion_strength"] = material.occlusion_strength
     row["color_texture"] = _row(material.base_color_texture, textures)
     row["metallic_roughness_texture"] = _row(material.metallic_roughness_texture, textures)
-    row["normal_texture"] = _row(material.normal_texture, textures)
     row["occlusion_texture"] = _row(material.occlusion_texture, textures)
     row["emission_texture"] = _row(material.emissive_texture, textures)
 
 
-def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[Texture, int]) -> None:
+def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"] = layouts.SHADOW_CATCHER, material.color
 
 
-def _fill_dielectric(row: np.void, material: Dielectric, textures: dict[Texture, int]) -> None:
+def _fill_dielectric(row: np.void, material: Dielectric, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["roughness"] = layouts.DIELECTRIC, material.tint, material.roughness
+    row["color_texture"] = _row(material.tint_texture, textures)
     row["specular"] = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
     row["fresnel"] = layouts.SCHLICK if material.fresnel == "schlick" else layouts.EXACT
 
 
-def _fill_cool_to_warm(row: np.void, material: CoolToWarm, textures: dict[Texture, int]) -> None:
+def _fill_cool_to_warm(row: np.void, material: CoolToWarm, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["cool"] = layouts.COOL_TO_WARM, material.warm, material.cool
 
 

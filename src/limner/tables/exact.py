@@ -15,11 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.mesh import Mesh
+from ..scene.distance_field import DistanceField
 from ..scene.material import Material
+from ..scene.points import PointCloud
 from ..scene.primitive import BilinearPatch, Box, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Sphere, Torus
 from ..scene.shape import Geometry, Shape
 from ..scene.solid import Combination, Complement, Difference, Intersection, Union
 from . import layouts
+from .distance import numbers_of
 
 __all__ = ["Leaf", "Numbers", "fill_shape", "leaves_and_program", "materials_of"]
 
@@ -63,7 +66,7 @@ class Numbers:
 def fill_shape(row: np.void, geometry: Geometry, numbers: Numbers) -> None:
     """Fill kind, size, capped and place of an instance that is no combination; of a mesh only the kind."""
     row["kind"], row["place"] = layouts.MESH, -1
-    if isinstance(geometry, Mesh):
+    if isinstance(geometry, (Mesh, PointCloud)):
         return
     row["capped"] = getattr(geometry, "capped", True)
     if isinstance(geometry, Sphere):
@@ -86,6 +89,9 @@ def fill_shape(row: np.void, geometry: Geometry, numbers: Numbers) -> None:
     elif isinstance(geometry, BilinearPatch):
         row["kind"] = layouts.PATCH
         numbers.put(row, np.array(geometry.corners, dtype=np.float32).reshape(-1))
+    elif isinstance(geometry, DistanceField):
+        row["kind"] = layouts.DISTANCE_FIELD
+        numbers.put(row, numbers_of(geometry))
 
 
 def _scaled(coefficients: tuple[float, ...]) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ f32, i32, i64 = np.float32, np.int32, np.int64
 
 # Kinds of geometry; what each means by size and place: limner.intersect.layouts
 MESH, SPHERE, PLANE, BOX = 0, 1, 2, 3
-DISK, CYLINDER, CONE, TORUS, QUADRIC, PATCH, CSG = 4, 5, 6, 7, 8, 9, 10
+DISK, CYLINDER, CONE, TORUS, QUADRIC, PATCH, CSG, DISTANCE_FIELD = 4, 5, 6, 7, 8, 9, 10, 11
 
 # Operations of a combination of solids: on the two sets before it, or, the last one, on one
 UNION, INTERSECTION, DIFFERENCE, COMPLEMENT = -1, -2, -3, -4
@@ -47,10 +47,22 @@ REPEAT, MIRROR, CLAMP = 0, 1, 2
 # How texels are combined
 NEAREST, BILINEAR, TRILINEAR, ANISOTROPIC, RIPMAP = 0, 1, 2, 3, 4
 
+# What a texture is made of
+PICTURE, CHECKER, STRIPES, GRADIENT, NOISE, TURBULENCE, MARBLE, WOOD = 0, 1, 2, 3, 4, 5, 6, 7
+
+# How a place on a surface becomes one in a texture
+UV_MAPPING, OBJECT_MAPPING, TRIPLANAR_MAPPING = 0, 1, 2
+
+# How the channels of a texel are kept: 1, 2 or 4 bytes each
+BYTE_TEXELS, WORD_TEXELS, FLOAT_TEXELS = 0, 1, 2
+
 # Kinds of projection
 PERSPECTIVE, ORTHOGRAPHIC = 0, 1
 
 MAX_TEXTURE_LEVELS = 16
+
+# Colours of a procedural texture's ramp
+MAX_STOPS = 8
 
 # Dielectric materials of a scene: as many as a byte counts, less one for what is outside of all
 MAX_MEDIA = 255
@@ -89,12 +101,13 @@ INSTANCE = np.dtype(
         ("flipped", i32),  # 1: the transform reflects, so that clockwise is outside
         ("owner", i32),  # its own row; of a leaf of a combination, the row of that
         ("capped", i32),  # 0: a cylinder, cone or quadric without caps
-        ("place", i32),  # quadric, patch: of its numbers in attributes; combination: of its program in slots; else -1
+        ("place", i32),  # quadric, patch, distance field: of its numbers in attributes; combination: of its program in slots; else -1
         ("n_program", i32),  # of a combination
         ("leaf", i32),  # row of the first of its leaves, which follow each other
         ("n_leaves", i32),
         ("checksum", i32),  # of what stands at its place: equal rows are equal shapes
         ("lamp", i32),  # 1 + row of the light whose surface it is; 0: of none
+        ("detailed", i32),  # 1: a material of it asks where on the object it is: solid and tri-planar textures, bump maps
     ],
     align=True,
 )
@@ -133,6 +146,7 @@ MATERIAL = np.dtype(
         ("metallic", f32),
         ("roughness", f32),
         ("normal_scale", f32),
+        ("bump_scale", f32),  # height where the bump texture is 1, in the object's own units
         ("occlusion_strength", f32),
         ("alpha_cutoff", f32),
         ("kind", i32),
@@ -149,6 +163,9 @@ MATERIAL = np.dtype(
         ("normal_texture", i32),
         ("occlusion_texture", i32),
         ("emission_texture", i32),
+        ("bump_texture", i32),
+        ("alpha_texture", i32),
+        ("alpha_channel", i32),  # of it: 0 to 3 for R, G, B and alpha
     ],
     align=True,
 )
@@ -184,7 +201,7 @@ MEDIUM = np.dtype(
 
 TEXTURE = np.dtype(
     [
-        ("level", i64, MAX_TEXTURE_LEVELS),  # place in texels of each mipmap level
+        ("level", i64, MAX_TEXTURE_LEVELS),  # place in texels, in bytes, of each mipmap level
         ("widths", i64, MAX_TEXTURE_LEVELS),  # ripmap: how many texels the first k copies of a row are wide together
         ("heights", i64, MAX_TEXTURE_LEVELS),  # ripmap: how many texels the first k rows of copies are high together
         ("transform", f32, (2, 3)),  # texture from uv
@@ -198,6 +215,22 @@ TEXTURE = np.dtype(
         ("wrap_v", i32),
         ("filter", i32),
         ("uv_set", i32),
+        ("kind", i32),  # PICTURE, or which pattern
+        ("format", i32),  # BYTE_TEXELS, WORD_TEXELS or FLOAT_TEXELS
+        ("mapping", i32),
+        ("seldom", i32),  # 0: a picture of bytes on texture coordinates, looked up in no more than two mipmap levels
+        ("bump_step", f32, 2),  # how far apart heights tell of a slope: along u and v, or in object space
+        ("sharpness", f32),  # tri-planar: the power of the normal by which the three lookups are weighted
+        ("pattern_from_place", f32, (3, 4)),  # pattern: from object space, or from (u, v, 0)
+        ("octaves", i32),
+        ("seed", i32),
+        ("gain", f32),
+        ("lacunarity", f32),
+        ("amount", f32),  # marble, wood: how far noise moves the pattern; stripes: the share of the last colour
+        ("n_stops", i32),
+        ("stop", f32, MAX_STOPS),  # where on the ramp each colour is
+        ("stop_rise", f32, MAX_STOPS),  # one over the way from the stop before
+        ("stop_color", f32, (MAX_STOPS, 4)),
     ],
     align=True,
 )
@@ -267,14 +300,14 @@ class SceneTables(NamedTuple):
     triangles : (n, 3) int32
         Indices relative to their mesh.
     attributes : (n,) float32
-        Normals, texture coordinates, colours, tangents; after those of all meshes, numbers of quadrics and patches.
+        Normals, texture coordinates, colours, tangents; after those of all meshes, numbers of quadrics, patches and distance fields.
     slots : (n,) int32
         Which of its instance's materials a triangle has; after those of all meshes, programs of combinations of solids.
     materials : (n,) MATERIAL
     lights : (n,) LIGHT
     textures : (n,) TEXTURE
     texels : (n,) uint8
-        RGBA, row 0 at the bottom, all levels of all textures.
+        RGBA of 1, 2 or 4 bytes a channel, row 0 at the bottom, all levels of all textures.
     """
 
     instances: NDArray[np.void]

@@ -2,8 +2,8 @@
 
 Spheres and planes are tessellated only to tell that they are seen; what is seen is computed exactly (`limner.shading.analytic`). All other
 shapes are drawn as their triangles are: their vertices lie on the surface, with its own normals and texture coordinates, and their edges
-leave it by a tenth of a pixel at most where it is round about an axis. Quadrics and combinations of solids are cut out of finer
-triangles, to a few pixels.
+leave it by a tenth of a pixel at most where it is round about an axis. Quadrics, combinations of solids and fields of distances are cut
+out of finer triangles, to a few pixels.
 """
 
 from __future__ import annotations
@@ -22,8 +22,13 @@ from ..mesh.level_set import level_set
 from ..mesh.mesh import Mesh
 from ..mesh.trim import Surface, joined, refined, surface_of, trimmed
 from ..scene.camera import Camera, PerspectiveCamera
+from ..scene.distance_field import DistanceField
+from ..scene.points import PointCloud
 from ..scene.shape import BilinearPatch, Box, Combination, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Shape, Sphere, Torus
 from .boundary import boundary_of_leaf, quadric_values
+from .clouds import cloud_mesh
+from .distance import numbers_of
+from .distance_mesh import distance_mesh
 from .exact import Leaf, leaves_and_program, materials_of
 
 __all__ = ["Sight", "StandIns", "flattens", "inverse", "tessellation"]
@@ -35,14 +40,19 @@ _STAND_IN = "stand-in: "  # how the names of tessellations begin
 _HORIZON = 1e5  # how far an infinite plane is drawn, in units of the distance that matters
 _MOST_CUBES = 48  # along each edge of a quadric's box
 _MOST_BANDS = 64  # of a combination's leaf
+_MOST_FIELD_CUBES = 96  # along each edge of a distance field's box
 _PARTS = 48  # of a combination's extent: what is smaller may be missed
 
 
 class StandIns:
-    """Tessellations of exact shapes by what they are made from, so that the same question gets the same object again."""
+    """Tessellations of exact shapes by what they are made from, so that the same question gets the same object again.
 
-    def __init__(self, before: tuple[Mesh, ...]) -> None:
-        self._known = {mesh.name: mesh for mesh in before if mesh.name.startswith(_STAND_IN)}
+    `before` has those of the last build; what that did not ask for is forgotten.
+    """
+
+    def __init__(self, before: StandIns | None = None) -> None:
+        self._before: dict[str, Mesh] = {} if before is None else before._known
+        self._known: dict[str, Mesh] = {}
 
     def get(self, make: Callable[..., Mesh], *arguments: object) -> Mesh:
         """What `make` makes of these, whose names tell all about them."""
@@ -52,26 +62,43 @@ class StandIns:
         """What `make` makes, or what was made by this name."""
         name = _STAND_IN + name
         if name not in self._known:
-            self._known[name] = dataclasses.replace(make(), name=name)
+            self._known[name] = self._before.get(name) or dataclasses.replace(make(), name=name)
         return self._known[name]
 
 
 class Sight:
     """How large things are in a picture, which decides how finely they are tessellated."""
 
-    def __init__(self, camera: Camera, height: int, bounds: NDArray[np.float64]) -> None:
+    def __init__(self, camera: Camera, width: int, height: int, bounds: NDArray[np.float64]) -> None:
         self.eye = np.asarray(camera.world_from_camera)[:3, 3]
+        self.towards = np.asarray(camera.world_from_camera)[:3, 2]
         self.bounds = bounds
-        self._is_perspective = isinstance(camera, PerspectiveCamera)
+        self.is_perspective = isinstance(camera, PerspectiveCamera)
         # Pixels per unit of length, along the denser axis, at distance 1 (perspective) or anywhere (orthographic).
         half = camera.half_height() if isinstance(camera, PerspectiveCamera) else camera.height / 2.0
-        self._pixels_per_unit = height / (2.0 * half * min(1.0, camera.pixel_aspect))
+        self.pixels_per_unit = height / (2.0 * half * min(1.0, camera.pixel_aspect))
+        # From the gaze to the farthest corner of the picture, radians.
+        half_height, pixel_aspect, shift_x, shift_y = camera.lens()
+        half_width = half_height * width / height * pixel_aspect
+        self.half_angle = math.atan(math.hypot(half_width * (1.0 + abs(shift_x)), half_height * (1.0 + abs(shift_y))))
+
+    def pixels(self, points: Matrix, radii: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How large radii are seen at points of the world, (n, 3)."""
+        if not self.is_perspective:
+            return radii * self.pixels_per_unit
+        # No nearer than the radius: what holds the eye is not seen from outside.
+        distance = np.maximum(np.linalg.norm(points - self.eye, axis=1), radii)
+        return radii * self.pixels_per_unit / np.maximum(distance, 1e-30)
+
+    def to_eye(self, points: Matrix) -> Matrix:
+        """Vectors, (n, 3) of any length, from points of the world against the gaze that sees them."""
+        return self.eye - points if self.is_perspective else np.broadcast_to(self.towards, points.shape)
 
     def bands(self, matrix: NDArray[np.float64], radius: float) -> int:
         """How many bands from pole to pole a sphere of an object's space needs."""
         largest = float(np.linalg.norm(matrix[:3, :3], ord=2)) * radius
         distance = max(float(np.linalg.norm(matrix[:3, 3] - self.eye)) - largest, 0.01 * largest, 1e-30)
-        return _sphere_bands(largest * self._pixels_per_unit / (distance if self._is_perspective else 1.0))
+        return _sphere_bands(largest * self.pixels_per_unit / (distance if self.is_perspective else 1.0))
 
 
 def tessellation(shape: Shape, matrix: NDArray[np.float64], sight: Sight, stand_ins: StandIns) -> Mesh:
@@ -79,6 +106,8 @@ def tessellation(shape: Shape, matrix: NDArray[np.float64], sight: Sight, stand_
     geometry = shape.geometry
     if isinstance(geometry, Mesh):
         return geometry
+    if isinstance(geometry, PointCloud):
+        return cloud_mesh(geometry, matrix, sight, stand_ins)
     if isinstance(geometry, Box):
         return stand_ins.get(primitives.box, geometry.size)
     if isinstance(geometry, Plane):
@@ -90,6 +119,10 @@ def tessellation(shape: Shape, matrix: NDArray[np.float64], sight: Sight, stand_
         reach = float(np.abs([low, high]).max()) if np.isfinite([low, high]).all() else 1.0
         bands = sight.bands(matrix, reach)
         return stand_ins.named(f"combination of {_content(shape)} by {bands}", lambda: _combination(shape, bands))
+    if isinstance(geometry, DistanceField):
+        n = min(2 * sight.bands(matrix, float(np.linalg.norm(np.ptp(geometry.bounds, axis=0))) / 2.0), _MOST_FIELD_CUBES)
+        content = hashlib.blake2b(numbers_of(geometry).tobytes(), digest_size=12).hexdigest()
+        return stand_ins.named(f"distance field {content} by {n}", lambda: distance_mesh(geometry, n))
     return _primitive(geometry, matrix, sight, stand_ins)
 
 

@@ -16,6 +16,7 @@ import pytest
 from limner.errors import FileFormatError, LimnerError, UnsupportedError
 from limner.files.load import load
 from limner.mesh.mesh import Mesh
+from limner.scene.points import PointCloud
 from limner.scene.scene import Scene
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
@@ -35,6 +36,8 @@ def world_triangles(scene: Scene) -> np.ndarray:
     """Return the corners of all triangles in the world, (n, 3, 3)."""
     found = [np.zeros((0, 3, 3))]
     for placed, shape in scene.shapes():
+        if isinstance(shape.geometry, PointCloud):
+            continue
         assert isinstance(shape.geometry, Mesh)
         corners = shape.geometry.positions[shape.geometry.triangles].astype(np.float64)
         found.append(corners @ placed.world_from_object[:3, :3].T + placed.world_from_object[:3, 3])

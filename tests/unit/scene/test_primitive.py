@@ -48,7 +48,11 @@ NAN, INF = float("nan"), float("inf")
         (lambda: BilinearPatch(((0, 0, 0), (1, 1, 1), (2, 2, 2), (3, 3, 3))), "must not all lie on one line"),
         (lambda: BilinearPatch(((1, 2, 3),) * 4), "must not all lie on one line"),
         (lambda: BilinearPatch(((0, 0), (1, 0), (1, 1), (0, 1))), "bilinear_patch.corners must be three numbers"),
-        (lambda: Shape("ball"), "shape.geometry must be a Mesh, a Sphere, Box or another primitive, or a combination of solids, got str"),
+        (
+            lambda: Shape("ball"),
+            "shape.geometry must be a Mesh, a PointCloud, a Sphere, Box or another primitive, a DistanceField or a combination of solids, "
+            "got str",
+        ),
     ],
 )
 def test_what_is_no_shape_is_refused(make: Any, message: str) -> None:

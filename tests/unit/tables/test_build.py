@@ -97,7 +97,7 @@ def test_hidden_nodes_hide_their_own_children_only():
     leg = Node(name="leg", children=(Node(name="foot", shapes=(Shape(Box()),)),))
     hidden = Node(name="leg", children=leg.children, visible=False)
     scene = Scene(Node(name="body", children=(hidden, leg)))
-    assert [placed.path for placed, _ in scene.shapes()] == ["body/leg/foot"]
+    assert [placed.path for placed, _ in scene.shapes()] == ["body/leg#2/foot"]
 
 
 PARALLEL = OrthographicCamera.look_at((3, 2, 5), (0, 0, 0), height=3.0)

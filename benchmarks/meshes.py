@@ -33,18 +33,18 @@ def main() -> None:
     mesh = shuffled(limner.primitives.torus(1.0, 0.4, 2 * side, side))
     print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}, {len(mesh.triangles)} triangles in no order")
     print(f"{'':34} limner s  other s  ratio")
-    triangles, peer = mesh.triangles, trimesh_of(mesh)
+    triangles, peer = mesh.triangles, trimesh_of()
     small = limner.primitives.torus(1.0, 0.4, side // 2, side // 4)
     samples = np.add.reduce(np.meshgrid(*[np.linspace(-1.2, 1.2, 129) ** 2] * 3))
     box = [[-1.2] * 3, [1.2] * 3]
     lines: list[tuple[str, Callable[[], object], Callable[[], object] | None]] = [
-        ("adjacency", lambda: limner.adjacency(mesh), peer and (lambda: peer(mesh).face_adjacency)),
-        ("vertex normals", lambda: vertex_normals(mesh.positions, triangles), peer and (lambda: peer(mesh).vertex_normals)),
+        ("adjacency", lambda: limner.adjacency(mesh), asked(peer, mesh, "face_adjacency")),
+        ("vertex normals", lambda: vertex_normals(mesh.positions, triangles), asked(peer, mesh, "vertex_normals")),
         ("report on topology", lambda: limner.topology_report(mesh), None),
         ("repair of what is sound", lambda: limner.repair(mesh), None),
         ("Gaussian curvature", lambda: gaussian_curvature(mesh), None),
         ("mean curvature", lambda: mean_curvature(mesh), None),
-        ("Loop, 1/16 of it, twice", lambda: limner.subdivide.loop(small, 2), peer and (lambda: peer(small).subdivide_loop(2))),
+        ("Loop, 1/16 of it, twice", lambda: limner.subdivide.loop(small, 2), asked(peer, small, "subdivide_loop", 2)),
         ("marching cubes, 129^3 samples", lambda: limner.marching_cubes(samples, box, level=1.0), skimage_of(samples)),
     ]
     for name, ours, theirs in lines:
@@ -75,13 +75,21 @@ def seconds(work: Callable[[], object], runs: int) -> float:
     return statistics.median(taken)
 
 
-def trimesh_of(_: Mesh) -> Callable[[Mesh], Any] | None:
+def trimesh_of() -> Callable[[Mesh], Any] | None:
     """What makes a trimesh of a mesh, anew each time, since it keeps what it has computed; None where it is not installed."""
     try:
         import trimesh
     except ImportError:
         return None
     return lambda mesh: trimesh.Trimesh(mesh.positions, mesh.triangles, process=False)
+
+
+def asked(peer: Callable[[Mesh], Any] | None, mesh: Mesh, name: str, *arguments: int) -> Callable[[], object] | None:
+    """What asks trimesh for a property, or calls a method."""
+    if peer is None:
+        return None
+    make = peer
+    return lambda: getattr(make(mesh), name)(*arguments) if arguments else getattr(make(mesh), name)
 
 
 def skimage_of(samples: object) -> Callable[[], object] | None:

@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-import click
-
-from ..errors import LimnerError
 from .bar import Bar
-from .main import INTERRUPTED
-from .model import open_model
+from .clips import checked_kind, close, scene_of
 from .talk import Talk
 from .values import Background
-
-if TYPE_CHECKING:
-    from ..produce.clip import Clip
 
 __all__ = ["Order", "make_turntable"]
 
@@ -47,24 +39,8 @@ class Order:
 
 def make_turntable(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
-    from ..produce.clip import check_clip
-
-    try:
-        kind = check_clip(order.output, n_pictures=order.frames, fps=order.fps, quality=order.quality)
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
-    scene = open_model(order.model)
-    if order.environment is not None:
-        from ..scene.environment import Environment
-
-        scene = scene.replace(environment=Environment(order.environment))
-    if order.background is not None:
-        scene = scene.replace(background=None if order.background == "transparent" else order.background)
-    if order.ground:
-        scene = scene.with_ground()
-    talk.note(scene.notes)
-    if order.background == "transparent" and not kind.keeps_alpha:
-        talk.warn([f"{kind.name} has no transparency: white is behind the model; .webp, .png and a folder have"])
+    kind = checked_kind(order, order.frames)
+    scene = scene_of(order, kind, talk)
 
     from ..produce.turntable import write_turntable
 
@@ -87,26 +63,4 @@ def make_turntable(order: Order, talk: Talk) -> None:
             threads=order.threads,
             on_progress=bar,
         )
-    talk.warn(clip.warnings)
-    if not clip.finished:
-        left = f"{clip.n_pictures} of {order.frames} pictures are in {order.output}" if clip.n_pictures else "nothing was written"
-        talk.say("interrupted", left)
-        talk.code = INTERRUPTED
-    if order.as_json:
-        _tell(order, clip)
-
-
-def _tell(order: Order, clip: Clip) -> None:
-    import json
-
-    told: dict[str, Any] = {
-        "output": order.output,
-        "frames": clip.n_pictures,
-        "fps": clip.fps,
-        "seconds": clip.n_pictures / clip.fps,
-        "width": order.width,
-        "height": order.height,
-        "finished": clip.finished,
-        "warnings": list(clip.warnings),
-    }
-    click.echo(json.dumps(told, sort_keys=True))
+    close(order, clip, f" of {order.frames}", talk)

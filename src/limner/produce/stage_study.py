@@ -25,8 +25,7 @@ from ..scene.framing import extent_points, framing_camera, with_defaults
 from ..scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, Material, MetallicRoughness, ShadowCatcher
 from ..scene.node import Node
 from ..scene.scene import Scene
-from ..scene.shape import Shape
-from ..scene.texture import Texels, Texture
+from ..scene.texture import AnyTexture, Texels, Texture
 from ..tables import layouts
 from ..tables.build import View, flatten, view
 from ..tables.layouts import SceneTables
@@ -286,7 +285,7 @@ def _repainted(node: Node, paint: Callable[[Material], Material]) -> Node:
     children = []
     for child in node.children:  # a comprehension's own frame would halve the depth of the graphs that fit on the stack
         children.append(_repainted(child, paint))
-    shapes = tuple(Shape(shape.geometry, tuple(paint(material) for material in shape.materials)) for shape in node.shapes)
+    shapes = tuple(dataclasses.replace(shape, materials=tuple(map(paint, shape.materials))) for shape in node.shapes)
     return dataclasses.replace(node, shapes=shapes, children=tuple(children))
 
 
@@ -306,7 +305,7 @@ def _clay(material: Material) -> Material:
 
 def _texture_of(
     material: Lambert | BlinnPhong | MetallicRoughness | Dielectric | CoolToWarm,
-) -> tuple[Texture | None, tuple[float, float, float]]:
+) -> tuple[AnyTexture | None, tuple[float, float, float]]:
     if isinstance(material, Lambert):
         return material.texture, material.color
     if isinstance(material, BlinnPhong):

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import draw
+    from .curves.arc_length import ArcLength
+    from .curves.curve import Parametric, Spline
     from .draw.color_bar import ColorBar, with_color_bar
     from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
     from .files.load import load
@@ -95,6 +97,7 @@ __version__ = "0.1.0"
 __all__ = [
     "AmbientLight",
     "Animation",
+    "ArcLength",
     "BilinearPatch",
     "Binding",
     "BlinnPhong",
@@ -135,6 +138,7 @@ __all__ = [
     "NodeChannel",
     "Noise",
     "OrthographicCamera",
+    "Parametric",
     "Plane",
     "PointCloud",
     "PointLight",
@@ -153,6 +157,7 @@ __all__ = [
     "Solid",
     "Sphere",
     "SphereLight",
+    "Spline",
     "SpotLight",
     "Stripes",
     "Texels",
@@ -210,6 +215,8 @@ __all__ = [
 _ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
 
 _HOMES = {
+    "curves.arc_length": ("ArcLength",),
+    "curves.curve": ("Parametric", "Spline"),
     "draw.color_bar": ("ColorBar", "with_color_bar"),
     "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
     "files.load": ("load",),

@@ -64,7 +64,8 @@ if TYPE_CHECKING:
     from .scene.fog import Fog
     from .scene.library import builtin
     from .scene.light import AmbientLight, DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
-    from .scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness, ShadowCatcher
+    from .scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness, ShadowCatcher, Variant
+    from .scene.material_extensions import Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume
     from .scene.motion import KeyedMotion, Motion
     from .scene.node import Node
     from .scene.points import PointCloud
@@ -91,12 +92,14 @@ if TYPE_CHECKING:
     )
     from .scene.texture import Texels, Texture
     from .scene.track import Track
+    from .scene.variants import variant_names, with_variant
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AmbientLight",
     "Animation",
+    "Anisotropy",
     "ArcLength",
     "BilinearPatch",
     "Binding",
@@ -104,6 +107,7 @@ __all__ = [
     "Box",
     "Camera",
     "Checker",
+    "Clearcoat",
     "ColorBar",
     "Complement",
     "Cone",
@@ -111,6 +115,7 @@ __all__ = [
     "Cylinder",
     "Dielectric",
     "Difference",
+    "DiffuseTransmission",
     "DirectionalLight",
     "Disk",
     "DiskLight",
@@ -123,6 +128,7 @@ __all__ = [
     "Gradient",
     "Image",
     "Intersection",
+    "Iridescence",
     "KeyedMotion",
     "Lambert",
     "LimnerError",
@@ -153,8 +159,10 @@ __all__ = [
     "SceneError",
     "ShadowCatcher",
     "Shape",
+    "Sheen",
     "Skin",
     "Solid",
+    "Specular",
     "Sphere",
     "SphereLight",
     "Spline",
@@ -165,10 +173,13 @@ __all__ = [
     "TopologyReport",
     "Torus",
     "Track",
+    "Transmission",
     "Turbulence",
     "Union",
     "UnsupportedError",
     "UnwrapReport",
+    "Variant",
+    "Volume",
     "WeightsChannel",
     "Wood",
     "__version__",
@@ -204,10 +215,12 @@ __all__ = [
     "uv_chart",
     "uv_distortion",
     "uv_unwrap",
+    "variant_names",
     "views",
     "wireframe",
     "with_color_bar",
     "with_tangents",
+    "with_variant",
     "write_animation",
     "write_turntable",
 ]
@@ -257,7 +270,10 @@ _HOMES = {
     "scene.fog": ("Fog",),
     "scene.library": ("builtin",),
     "scene.light": ("AmbientLight", "DirectionalLight", "DiskLight", "PointLight", "RectangleLight", "SphereLight", "SpotLight"),
-    "scene.material": ("BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "MetallicRoughness", "ShadowCatcher"),
+    "scene.material": ("BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "MetallicRoughness", "ShadowCatcher", "Variant"),
+    "scene.material_extensions": (
+        "Anisotropy", "Clearcoat", "DiffuseTransmission", "Iridescence", "Sheen", "Specular", "Transmission", "Volume",
+    ),
     "scene.motion": ("KeyedMotion", "Motion"),
     "scene.node": ("Node",),
     "scene.points": ("PointCloud",),
@@ -270,6 +286,7 @@ _HOMES = {
     ),
     "scene.texture": ("Texels", "Texture"),
     "scene.track": ("Track",),
+    "scene.variants": ("variant_names", "with_variant"),
 }
 _MODULES = {
     "dataset": "produce.dataset",

@@ -21,12 +21,34 @@ from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
+from numba.core.typed_passes import (
+    IRLegalization,
+    NativeLowering,
+    NoPythonBackend,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
 
 from ._door import Array, Scalar, Signature
 
 __all__ = ["compile_door", "inner_kernel"]
 
 ENTRY = "limner_entry"
+
+_STEPS = (
+    TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, DeadBranchPrune, GenericRewrites, ReconstructSSA,
+    NopythonTypeInference, PreLowerStripPhis, IRLegalization, NativeLowering, NoPythonBackend,
+)  # fmt: skip
 
 
 class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -111,17 +133,31 @@ def _context(targetctx: Any, library_class: type) -> Any:
     return context
 
 
-class _InnerPipeline(Compiler):  # type: ignore[misc]
+class _KernelCompiler(Compiler):  # type: ignore[misc]
+    """Numba's own passes without those that a kernel has no use for.
+
+    No `with`, no closures, no generators, no `literal_unroll`, no array expressions; nothing is annotated for a reader.
+    """
+
+    def define_pipelines(self) -> list[PassManager]:
+        manager = PassManager("kernel")
+        for step in _STEPS:
+            manager.add_pass(step, step.__name__)
+        manager.finalize()
+        return [manager]
+
+
+class _InnerPipeline(_KernelCompiler):
     def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
         super().__init__(typingctx, _context(targetctx, _InnerLibrary), *args, **kwargs)
 
 
-class _OutlinedPipeline(Compiler):  # type: ignore[misc]
+class _OutlinedPipeline(_KernelCompiler):
     def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
         super().__init__(typingctx, _context(targetctx, _OutlinedLibrary), *args, **kwargs)
 
 
-class _DoorPipeline(Compiler):  # type: ignore[misc]
+class _DoorPipeline(_KernelCompiler):
     def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
         super().__init__(typingctx, _context(targetctx, _DoorLibrary), *args, **kwargs)
 

@@ -88,6 +88,8 @@ limner.add_command(schema)
     "--focus", type=click.FloatRange(0.0, min_open=True), metavar="D",
     help="Distance at which things are sharp, along the gaze.  [default: that of the target]",
 )  # fmt: skip
+@click.option("--scene", metavar="NAME|INDEX", help="Which of several scenes of the file.  [default: the file's own choice]")
+@click.option("--variant", metavar="NAME", help="Which of the model's variants.  [default: none]")
 @click.option("--time", type=float, metavar="S", help="The moment of the animation, seconds.  [default: what no animation has moved]")
 @click.option("--animation", metavar="NAME|INDEX|all", help="Which animation; all: all at once.  [default: the first]")
 @click.option(

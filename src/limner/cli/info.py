@@ -47,6 +47,7 @@ def tell(model: str, as_json: bool, talk: Talk, report: bool = False) -> None:
 def describe(scene: Scene) -> dict[str, Any]:
     """Count what there is to see, and look for likely slips; plain values that JSON can hold."""
     from ..mesh.mesh import Mesh
+    from ..scene.variants import variant_names
 
     placed = list(scene.root.walk())
     shown = scene.shapes()
@@ -69,6 +70,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "lights": [{"kind": type(light).__name__, "name": light.name, "node": place.path} for place, light in scene.lights()],
         "camera": None if scene.camera is None else type(scene.camera).__name__,
         "cameras": [{"kind": type(camera).__name__, "name": camera.name} for camera in scene.cameras()],
+        "variants": list(variant_names(scene)),
         "animations": [
             {"name": held.name, "start": held.start, "end": held.end, "channels": len(held.channels)} for held in scene.animations
         ],
@@ -135,6 +137,7 @@ def _lines(told: dict[str, Any]) -> list[str]:
         "textures   " + _listed([f"{t['name'] or '-'} {t['width']} x {t['height']}" for t in told["textures"]]),
         "lights     " + _listed([f"{light['kind']} {light['name'] or light['node']}" for light in told["lights"]]),
         "cameras    " + _listed(_cameras(told)),
+        *(["variants   " + _listed(told["variants"])] if told["variants"] else []),
         "animations " + _listed([f"{k} {a['name'] or '-'} {a['end'] - a['start']:.4g} s" for k, a in enumerate(told["animations"])]),
     ]
     if told["bounds"] is None:

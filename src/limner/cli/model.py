@@ -11,29 +11,37 @@ if TYPE_CHECKING:
     from ..files.report import LoadReport
     from ..scene.scene import Scene
 
-__all__ = ["open_model", "report_of_model"]
+__all__ = ["numbered", "open_model", "report_of_model"]
 
 
-def open_model(name: str, up: str = "y") -> Scene:
-    """Return the built-in scene of that name, or read the file, whose `up` points up; ``./teapot`` is a file."""
-    scene = _built_in(name)
-    if scene is not None:
-        return scene
+def open_model(name: str, up: str = "y", scene: str | None = None) -> Scene:
+    """Return the built-in scene of that name, or read the file, whose `up` points up; ``./teapot`` is a file.
+
+    `scene`: which of several in the file, by name or number.
+    """
+    built_in = _built_in(name)
+    if built_in is not None:
+        return built_in
     from ..files.load import load
 
-    return load(name, up=up)
+    return load(name, up=up, scene=numbered(scene))
 
 
-def report_of_model(name: str, up: str = "y") -> LoadReport:
+def report_of_model(name: str, up: str = "y", scene: str | None = None) -> LoadReport:
     """Open a model as `open_model` does, and tell what became of it; a built-in scene is there as it is."""
     from ..files.report import load_report, report_of
 
-    scene = _built_in(name)
-    if scene is None:
-        return load_report(name, up=up)
+    built_in = _built_in(name)
+    if built_in is None:
+        return load_report(name, up=up, scene=numbered(scene))
     from ..files.notes import Notes
 
-    return report_of(scene, Notes(), name, "built-in")
+    return report_of(built_in, Notes(), name, "built-in")
+
+
+def numbered(word: str | None) -> str | int | None:
+    """The number that a word is, else the name."""
+    return int(word) if word is not None and word.isdecimal() else word
 
 
 def _built_in(name: str) -> Scene | None:

@@ -76,6 +76,8 @@ class Order:
     yfov: float | None
     aperture: float | None
     focus: float | None
+    scene: str | None
+    variant: str | None
     time: float | None
     animation: str | int | None
     shutter: tuple[float, float] | None
@@ -98,8 +100,12 @@ def make_picture(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     _check_output(order)
     started = time.perf_counter()
-    report = report_of_model(order.model, order.model_up) if order.report else None
-    scene, key = _by_numbers(order, open_model(order.model, order.model_up) if report is None else report.scene)
+    report = report_of_model(order.model, order.model_up, order.scene) if order.report else None
+    scene, key = _by_numbers(order, open_model(order.model, order.model_up, order.scene) if report is None else report.scene)
+    if order.variant is not None:
+        from ..scene.variants import with_variant
+
+        scene = with_variant(scene, order.variant)
     if order.environment is not None:
         from ..scene.environment import Environment
 

@@ -3,7 +3,8 @@
     accessor (count, type, component type)  ->  buffer view (offset, length, stride)  ->  buffer (bytes)  ->  .bin, data:, GLB
 
 Each arrow is an index and each number a promise of the file; all are checked against the bytes that are really there before
-an array is made. Where the layout allows, the array is a view of the file's own bytes.
+an array is made. Where the layout allows, the array is a view of the file's own bytes. A buffer view that is compressed
+(EXT_meshopt_compression, KHR_meshopt_compression) is decompressed when it is first looked at.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FileFormatError, LimnerError, UnsupportedError
+from ..errors import FileFormatError, LimnerError
 from .document import Element
+from .meshopt import MeshoptError, decode
 from .notes import Notes
 from .sources import Sources
 
@@ -34,6 +36,7 @@ COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MAX_IMPLIED_ZEROS = 1 << 22
 # Accessors may overlap, so that their sum may exceed the file; this many elements for each vertex that is allowed.
 READS_PER_VERTEX = 8
+MESHOPT = ("KHR_meshopt_compression", "EXT_meshopt_compression")
 
 
 class _View(NamedTuple):
@@ -62,6 +65,9 @@ class Accessors:
         self._notes = notes
         self._read_buffers: dict[int, memoryview | LimnerError] = {}
         self._read_accessors: dict[int, NDArray[Any]] = {}
+        self._supplied: dict[int, NDArray[Any] | FileFormatError] = {}
+        self._decompressed: dict[int, memoryview | FileFormatError] = {}
+        self._n_decompressed = 0
         self._n_zeros = 0
         self._n_elements = 0
         self._check_references()
@@ -86,9 +92,15 @@ class Accessors:
         kind = accessor.child("type").text()
         if kind not in types:
             raise accessor.error(f"must be {' or '.join(types)}, got {kind!r}", "type")
+        if index in self._supplied:
+            return _supplied(self._supplied[index], accessor, COLUMNS[kind])
         if index not in self._read_accessors:
             self._read_accessors[index] = self._read(accessor, COLUMNS[kind])
         return self._read_accessors[index]
+
+    def supply(self, reference: Element, values: NDArray[Any] | FileFormatError) -> None:
+        """Say what an accessor holds that has no bytes of its own, (count, columns), or why it cannot be had."""
+        self._supplied[reference.index(len(self._accessors))] = values
 
     def floats(self, reference: Element, *types: str, normalize: bool = False) -> NDArray[np.float32]:
         """Return an accessor as (count, columns) float32; normalised integers, or all with `normalize`, as fractions.
@@ -118,8 +130,18 @@ class Accessors:
         return values.reshape(-1)
 
     def count(self, reference: Element) -> int:
-        """How many elements an accessor declares; nothing is read."""
+        """How many elements an accessor declares, or was supplied with; nothing is read."""
+        supplied = self._supplied.get(reference.index(len(self._accessors)))
+        if isinstance(supplied, np.ndarray):
+            return len(supplied)
         return self._accessors[reference.index(len(self._accessors))].child("count").integer()
+
+    def type_of(self, reference: Element) -> str:
+        """What an accessor says that it holds, "SCALAR", "VEC3"; nothing is read, and nothing is found fault with."""
+        try:
+            return str(self._accessors[reference.index(len(self._accessors))].child("type").value)
+        except LimnerError:
+            return ""
 
     def has_data(self, reference: Element) -> bool:
         """Whether an accessor refers to bytes; compressed geometry does not."""
@@ -171,23 +193,43 @@ class Accessors:
         return patched
 
     def _view(self, reference: Element) -> _View:
-        view = self._views[reference.index(len(self._views))]
-        buffer_reference = view.child("buffer")
-        buffer_index = buffer_reference.index(len(self._buffers))
-        compressed = next((name for name in ("EXT_meshopt_compression", "KHR_meshopt_compression") if view.extension(name)), "")
-        try:
-            data = self._buffer(buffer_index)
-        except FileFormatError as error:
-            if compressed:
-                raise UnsupportedError(_meshopt_message(view.path, compressed)) from error
-            raise
-        offset, length = view.get_integer("byteOffset", 0), view.child("byteLength").integer(1)
+        index = reference.index(len(self._views))
+        view = self._views[index]
         stride = view.get_integer("byteStride", 0, 1)
+        compressed = next((found for name in MESHOPT if (found := view.extension(name)) is not None), None)
+        if compressed is None:
+            return _View(self._part_of_buffer(view), stride, view)
+        if index not in self._decompressed:
+            try:
+                self._decompressed[index] = self._decompress(compressed, view)
+            except FileFormatError as error:
+                self._decompressed[index] = error
+        data = self._decompressed[index]
+        if isinstance(data, FileFormatError):
+            raise data
+        return _View(data, stride, view)
+
+    def _part_of_buffer(self, view: Element) -> memoryview:
+        """The bytes that a buffer view, or what stands in for it where it is compressed, says that it has."""
+        buffer_index = view.child("buffer").index(len(self._buffers))
+        data = self._buffer(buffer_index)
+        offset, length = view.get_integer("byteOffset", 0), view.child("byteLength").integer(1)
         if offset + length > len(data):
-            if compressed:
-                raise UnsupportedError(_meshopt_message(view.path, compressed))
             raise view.error(f"needs {offset + length} bytes of {self._buffers[buffer_index].pointer}, which has {len(data)}")
-        return _View(data[offset : offset + length], stride, view)
+        return data[offset : offset + length]
+
+    def _decompress(self, compressed: Element, view: Element) -> memoryview:
+        count, stride = compressed.child("count").integer(1), compressed.child("byteStride").integer(1)
+        if count * stride != view.child("byteLength").integer(1):
+            raise view.error(f"must be {count} elements of {stride} bytes, as it says where it is compressed", "byteLength")
+        self._n_decompressed += count * stride
+        if self._n_decompressed > self._sources.limits.max_file_bytes:
+            raise compressed.error("exceeds, decompressed, the limit of bytes for one model (max_file_bytes)", "count")
+        mode, filtering = compressed.child("mode").text(), compressed.get_text("filter", "NONE")
+        try:
+            return decode(self._part_of_buffer(compressed), count, stride, mode, filtering).data
+        except MeshoptError as error:
+            raise compressed.error(f"cannot be decompressed: it {error}") from None
 
     def _buffer(self, index: int) -> memoryview:
         if index not in self._read_buffers:
@@ -215,8 +257,12 @@ class Accessors:
         return data[:declared]
 
 
-def _meshopt_message(path: str, name: str) -> str:
-    return f"{path} is compressed with {name}, which limner cannot decode; `gltf-transform copy in.glb out.glb` unpacks it"
+def _supplied(values: NDArray[Any] | FileFormatError, accessor: Element, columns: int) -> NDArray[Any]:
+    if isinstance(values, FileFormatError):
+        raise values
+    if values.shape[1] != columns:
+        raise accessor.error(f"must have {columns} numbers for each element, its compressed stream has {values.shape[1]}", "type")
+    return values
 
 
 def _component_type(element: Element) -> np.dtype[Any]:

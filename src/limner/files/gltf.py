@@ -33,6 +33,7 @@ from .document import Element, parse_json
 from .glb import MAGIC, read_container
 from .gltf_animation import Animations, Names
 from .gltf_material import Materials
+from .gltf_material_parts import DISPERSION, IOR, PARTS
 from .gltf_mesh import Meshes
 from .gltf_rig import Rigs
 from .limits import DEFAULT, Limits
@@ -41,18 +42,20 @@ from .sources import Sources
 
 __all__ = ["HANDLED", "read"]
 
-# What is drawn. Of the others each reader's note says that it is ignored.
+# What is read. Of the others a note says that they are ignored.
 HANDLED = frozenset({
-    "EXT_mesh_gpu_instancing", "EXT_texture_avif", "EXT_texture_webp", "KHR_animation_pointer", "KHR_lights_punctual",
-    "KHR_materials_emissive_strength", "KHR_materials_unlit", "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "EXT_texture_avif", "EXT_texture_webp", "KHR_animation_pointer",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_unlit", "KHR_materials_variants", "KHR_mesh_quantization", "KHR_meshopt_compression", "KHR_node_visibility",
+    "KHR_texture_basisu", "KHR_texture_transform", IOR, DISPERSION, *(part.extension for part in PARTS),
 })  # fmt: skip
-NOTED_WHERE_USED = frozenset({"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_materials_pbrSpecularGlossiness"})
 
 
 def read(
     data: bytes,
     path: str | os.PathLike[str],
     *,
+    scene: str | int | None = None,
     limits: Limits = DEFAULT,
     notes: Notes | None = None,
     sources: Sources | None = None,
@@ -65,6 +68,8 @@ def read(
         The file itself; which of the two it is, its first bytes say.
     path : str or path-like
         Where it lies: buffers and pictures are looked up beside it.
+    scene : str or int, optional
+        Which of the file's scenes, by its name or number. None: the one that the file shows by default.
     limits : Limits
     notes : Notes, optional
         Where remarks are collected; they are in `Scene.notes` in any case.
@@ -82,7 +87,7 @@ def read(
         text, binary = read_container(data, path, notes)
     if len(text) > limits.max_json_bytes:
         raise FileFormatError(f"its JSON has {len(text)} bytes, the limit is {limits.max_json_bytes} (max_json_bytes)", path)
-    return _Reader(parse_json(text, path), binary, sources, notes).scene()
+    return _Reader(parse_json(text, path), binary, sources, notes).scene(scene)
 
 
 class _Reader:
@@ -109,12 +114,12 @@ class _Reader:
         self._shapes: dict[int, tuple[Shape, ...]] = {}
         self._paths: dict[int, str] = {}
 
-    def scene(self) -> Scene:
-        """Build the scene that the file shows by default."""
+    def scene(self, wanted: str | int | None = None) -> Scene:
+        """Build one of the file's scenes, by its name or number; None: the one that it shows by default."""
         self._note_extensions()
         children = self._children_of_nodes()
         order = self._order(children)
-        chosen, roots = self._roots(children)
+        chosen, roots = self._roots(self._default_scene() if wanted is None else self._named_scene(wanted))
         shown = self._reachable(roots, children)
         self._check_size(roots, children, [node for node in order if node in shown])
         self._prepare_materials(shown)
@@ -182,9 +187,8 @@ class _Reader:
         name = self._nodes[index].name()
         return f"{index} {quoted(name, 30)}" if name else str(index)
 
-    def _roots(self, children: list[list[int]]) -> tuple[Element | None, list[int]]:
+    def _roots(self, scene: Element | None) -> tuple[Element | None, list[int]]:
         """Return the scene that is shown, and its nodes; without any, those that have no parent."""
-        scene = self._chosen_scene()
         if scene is None:
             return None, [index for index, n in enumerate(self._n_parents) if n == 0]
         roots: list[int] = []
@@ -200,7 +204,16 @@ class _Reader:
                 roots.append(index)
         return scene, roots
 
-    def _chosen_scene(self) -> Element | None:
+    def _named_scene(self, wanted: str | int) -> Element:
+        names = [scene.name() for scene in self._scenes]
+        if isinstance(wanted, str) and wanted in names:
+            return self._scenes[names.index(wanted)]
+        if isinstance(wanted, int) and not isinstance(wanted, bool) and 0 <= wanted < len(names):
+            return self._scenes[wanted]
+        known = f"its {len(names)} scenes are {', '.join(quoted(name, 30) for name in names[:12])}" if names else "it has none"
+        raise self._root.error(f"has no scene {quoted(wanted)}; {known}", "scenes")
+
+    def _default_scene(self) -> Element | None:
         if not self._scenes:
             return None
         reference = self._root.get("scene")
@@ -415,10 +428,10 @@ class _Reader:
         required = _strings(self._root, "extensionsRequired")
         used = _strings(self._root, "extensionsUsed")
         for name in required:
-            if name not in HANDLED | NOTED_WHERE_USED:
+            if name not in HANDLED:
                 self._notes.slip(f"the file requires {quoted(name)}, which is not supported; it is drawn without")
         for name in used:
-            if name not in HANDLED | NOTED_WHERE_USED and name not in required:
+            if name not in HANDLED and name not in required:
                 self._notes.add(f"extension {quoted(name)} is ignored")
 
     def _note_leftovers(self, shown: set[int]) -> None:

@@ -43,7 +43,7 @@ _SCENE_LINE = re.compile(rb"(?:^|\n)(?:limner|\"limner\"):[ \t]*\d")
 _OBJ_LINE = re.compile(rb"(?:^|\n)[ \t]*(?:v|vt|vn|f|o|g|usemtl|mtllib)[ \t]+[^\n]")
 
 
-def load(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAULT) -> Scene:
+def load(path: str | os.PathLike[str], *, up: str = "y", scene: str | int | None = None, limits: Limits = DEFAULT) -> Scene:
     """Read a model.
 
     Parameters
@@ -54,6 +54,8 @@ def load(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAUL
     up : "y" | "z"
         Which axis of the file points up. "y" takes every file as it is, as glTF and limner mean it. Models for printing and construction
         (.stl, .3mf), scans (.ply) and Blender's own axes mean z: with "z" they are turned upright, (x, y, z) to (x, z, -y).
+    scene : str or int, optional
+        Which of the scenes of a glTF file, by its name or number. None: the one that the file shows by default.
     limits : Limits
         How much it may ask for.
 
@@ -70,13 +72,15 @@ def load(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAUL
     UnsupportedError
         The file may be sound, but is of a kind that is not read; the message says what helps.
     """
-    scene, notes, _ = read_model(path, up=up, limits=limits)
+    found, notes, _ = read_model(path, up=up, scene=scene, limits=limits)
     for text in notes.warnings():
         warnings.warn(f"{Path(path).name}: {text}", LimnerWarning, stacklevel=2)
-    return scene
+    return found
 
 
-def read_model(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAULT) -> tuple[Scene, Notes, str]:
+def read_model(
+    path: str | os.PathLike[str], *, up: str = "y", scene: str | int | None = None, limits: Limits = DEFAULT
+) -> tuple[Scene, Notes, str]:
     """Read a model as `load` does; return its scene, what the reader said, and which format it was in."""
     if not isinstance(path, (str, os.PathLike)):
         raise UnsupportedError(f"load needs the path of a file, got {type(path).__name__}; render takes meshes and arrays as they are")
@@ -86,31 +90,33 @@ def read_model(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = 
     notes = Notes()
     data = sources.read_model()
     kind = model_format(data, path)
+    if scene is not None and kind != "gltf":
+        raise UnsupportedError(f"{os.fspath(path)}: only glTF files have several scenes to choose from, got scene={scene!r}")
     if kind == "gltf":
         from .gltf import read as read_gltf
 
-        scene = read_gltf(data, path, limits=limits, notes=notes, sources=sources)
+        found = read_gltf(data, path, scene=scene, limits=limits, notes=notes, sources=sources)
     elif kind == "obj":
         from .obj import read as read_obj
 
-        scene = read_obj(data, path, limits=limits, notes=notes, sources=sources)
+        found = read_obj(data, path, limits=limits, notes=notes, sources=sources)
     elif kind == "ply":
         from .ply import read as read_ply
 
-        scene = read_ply(data, path, limits=limits, notes=notes, sources=sources)
+        found = read_ply(data, path, limits=limits, notes=notes, sources=sources)
     elif kind == "mitsuba":
         from .mitsuba import read as read_mitsuba
 
-        scene = read_mitsuba(data, path, limits=limits, notes=notes, sources=sources)
+        found = read_mitsuba(data, path, limits=limits, notes=notes, sources=sources)
     elif kind == "scene":
         from .scene_file import read as read_scene
 
-        scene = read_scene(data, path, limits=limits, notes=notes, sources=sources)
+        found = read_scene(data, path, limits=limits, notes=notes, sources=sources)
     else:
         from .interop import read as read_with_trimesh
 
-        scene = read_with_trimesh(data, path, kind, limits=limits, notes=notes)
-    return upright(scene) if up == "z" else scene, notes, kind
+        found = read_with_trimesh(data, path, kind, limits=limits, notes=notes)
+    return upright(found) if up == "z" else found, notes, kind
 
 
 def upright(scene: Scene) -> Scene:

@@ -48,7 +48,8 @@ _WORDS: tuple[tuple[Kind, str], ...] = (
     ("repaired", r"normals .*are replaced|not finite are set to|are made |cut off|clipped to|shown once|its last row is taken as|"
                  r"more than one parent|does not end where|is closed"),
     ("replaced", r"stands? in\b|stands? for|drawn in gr[ea]y|in its place|is taken for|is replaced by|as it is at rest"),
-    ("ignored", r"ignored|left out|leaves out|drawn without|shown without|morphed without|is not morphed|neither morphed|does not move|"
+    ("ignored", r"ignored|not drawn|left out|leaves out|drawn without|shown without|morphed without|is not morphed|neither morphed|"
+                r"does not move|"
                 r"has no (?:light|camera)|stays where its parent is|stays as it is|shows its mesh once|shows? (?:nothing|none)|not read|"
                 r"only the default one|not led by|not told apart|not supported"),
     ("read", r"they are kept|is shown:|the first scene is read"),

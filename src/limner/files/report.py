@@ -130,12 +130,14 @@ class LoadReport:
         return "\n".join((f"{self.path} ({self.format})", *("  " + line for line in self.lines())))
 
 
-def load_report(path: str | os.PathLike[str], *, up: str = "y", limits: Limits = DEFAULT) -> LoadReport:
+def load_report(
+    path: str | os.PathLike[str], *, up: str = "y", scene: str | int | None = None, limits: Limits = DEFAULT
+) -> LoadReport:
     """Read a model and tell what became of it.
 
     Parameters
     ----------
-    path, up, limits
+    path, up, scene, limits
         As for `limner.load`, which gives the same scene. Nothing is warned about: all of it is in the report.
 
     Raises
@@ -143,8 +145,8 @@ def load_report(path: str | os.PathLike[str], *, up: str = "y", limits: Limits =
     FileFormatError, UnsupportedError
         As `limner.load` does.
     """
-    scene, notes, kind = read_model(path, up=up, limits=limits)
-    return report_of(scene, notes, os.fspath(path), kind)
+    shown, notes, kind = read_model(path, up=up, scene=scene, limits=limits)
+    return report_of(shown, notes, os.fspath(path), kind)
 
 
 def report_of(scene: Scene, notes: Notes, path: str = "", kind: str = "") -> LoadReport:

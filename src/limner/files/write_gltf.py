@@ -30,7 +30,7 @@ from .write_gltf_animation import Animations, moving
 from .write_gltf_buffers import Buffers, Json
 from .write_gltf_camera import Cameras, Lights
 from .write_gltf_files import File, check_place, put_whole
-from .write_gltf_material import Materials, plain_text
+from .write_gltf_material import VARIANTS, Materials, plain_text
 from .write_gltf_mesh import Meshes
 from .write_gltf_nodes import Graph
 
@@ -149,7 +149,8 @@ class _Writer:
             "asset": {"generator": _GENERATOR, "version": "2.0"},
             "extensionsUsed": sorted(used),
             "extensionsRequired": sorted(used & _REQUIRED),
-            "extensions": {"KHR_lights_punctual": {"lights": lights.lights}} if lights.lights else {},
+            "extensions": ({"KHR_lights_punctual": {"lights": lights.lights}} if lights.lights else {})
+            | ({VARIANTS: {"variants": materials.variants}} if materials.variants else {}),
             "scene": 0,
             "scenes": [shown],
             "nodes": graph.nodes,

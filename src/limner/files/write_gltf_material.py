@@ -7,13 +7,15 @@ index of refraction and its colour in depth by extensions.
     BlinnPhong   base colour, metallic and roughness whose highlight is as bright and as wide
     Dielectric   KHR_materials_transmission, _ior and _volume
 
-What a `MetallicRoughness` has beyond the core is an extension each (`gltf_material_parts`).
+What a `MetallicRoughness` has beyond the core is an extension each (`gltf_material_parts`). Its variants are materials of their own, to
+which the primitives that show it refer (KHR_materials_variants).
 
 Emission beyond 1 is a factor times KHR_materials_emissive_strength, a power of two, so that their product is exact.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import math
 import re
@@ -34,7 +36,7 @@ from .world_parts import base_color
 from .write_gltf_buffers import Json
 from .write_gltf_exact import given_transform
 
-__all__ = ["TEXTURES", "Materials", "identity", "nearest", "picture_of", "plain_text", "strength_for"]
+__all__ = ["TEXTURES", "VARIANTS", "Materials", "identity", "nearest", "picture_of", "plain_text", "strength_for"]
 
 TEXTURES = {
     "base_color_texture": "pbrMetallicRoughness/baseColorTexture",
@@ -43,6 +45,7 @@ TEXTURES = {
     "occlusion_texture": "occlusionTexture",
     "emissive_texture": "emissiveTexture",
 }
+VARIANTS = "KHR_materials_variants"
 _NUMBERED = re.compile(r" \(\d+\)$")
 _LEFT_OUT = ("specular_texture", "bump_texture", "alpha_texture")
 _COLORED = frozenset({"base_color_texture", "emissive_texture"})
@@ -137,6 +140,11 @@ def _from_blinn_phong(material: BlinnPhong) -> MetallicRoughness:
     )  # fmt: skip
 
 
+def _without_variants(material: Material) -> Material:
+    varied = isinstance(material, MetallicRoughness) and material.variants
+    return dataclasses.replace(material, variants=()) if varied else material  # type: ignore[arg-type]
+
+
 class Materials:
     """The materials, textures, samplers and pictures of one file; what is equal is written once.
 
@@ -156,6 +164,7 @@ class Materials:
         self.textures: list[Json] = []
         self.samplers: list[Json] = []
         self.images: list[Json] = []
+        self.variants: list[Json] = []
         self.extensions: set[str] = set()
         self._sources: list[tuple[Material, MetallicRoughness]] = []
         self._known: dict[Any, int] = {}
@@ -163,8 +172,22 @@ class Materials:
 
     def index_of(self, material: Material) -> int | None:
         """The number of a material; None for glTF's default one, which is not written."""
-        if material == _DEFAULT and material.name not in self._moving:
-            return None
+        material = _without_variants(material)
+        return None if material == _DEFAULT and material.name not in self._moving else self._number(material)
+
+    def mappings(self, material: Material) -> Json:
+        """What a primitive says of the variants of its material, as an extension; nothing where there are none."""
+        found = material.variants if isinstance(material, MetallicRoughness) else ()
+        if not found:
+            return {}
+        rows: dict[int, list[int]] = {}
+        for variant in found:
+            index = self._number(_without_variants(variant.material))
+            rows.setdefault(index, []).append(_number_of(self.variants, {"name": plain_text(variant.name)}))
+        self.extensions.add(VARIANTS)
+        return {"extensions": {VARIANTS: {"mappings": [{"material": index, "variants": names} for index, names in rows.items()]}}}
+
+    def _number(self, material: Material) -> int:
         key = identity(material)
         if key not in self._known:
             made = nearest(material)
@@ -232,8 +255,6 @@ class Materials:
             value = getattr(material, part.field)
             if value is not None:
                 self._extend(made, part.extension, self._part(value, part, material.name))
-        if material.variants:
-            self._notes.add("its variants are left out", material.name)
 
     def _part(self, value: Any, part: Part, name: str) -> Json:
         made: Json = {}

@@ -130,6 +130,7 @@ class Meshes:
         return found
 
     def _with_material(self, primitive: Json, material: Any) -> Json:
+        primitive = primitive | self._materials.mappings(material)
         index = self._materials.index_of(material)
         if index is None:
             return primitive

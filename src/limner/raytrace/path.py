@@ -22,7 +22,7 @@ from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
-from ..shading.bsdf import eval_bsdf, resolve, shading_normal, tint_at
+from ..shading.bsdf import eval_bsdf, resolve, seen_in_mirrors, shading_normal, tint_at
 from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.glossy import scatter_in_square
@@ -258,7 +258,7 @@ def path_radiance(
             pdf, by_chance_only, last = ZERO, True, point.position
             dimension += _PER_SURFACE
         else:
-            bsdf = resolve(material, owner, point, textures, texels)
+            bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
             u1, v1 = draw_2d(sampler, dimension)
             u2, v2 = draw_2d(sampler, dimension + 1)
             choice = draw_1d(sampler, dimension + 2)

@@ -8,25 +8,41 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from ..errors import SceneError
 from ._values import Triple, finite, positive, triple, unit_interval
-from .texture import Texture
+from .material_extensions import Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume
+from .procedural import Pattern
+from .texture import AnyTexture, Texture
 
-__all__ = ["AlphaMode", "BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "Material", "MetallicRoughness", "ShadowCatcher"]
+__all__ = [
+    "AlphaChannel", "AlphaMode", "BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "Material", "MetallicRoughness", "ShadowCatcher",
+    "Variant",
+]  # fmt: skip
 
 AlphaMode = Literal["opaque", "mask", "blend"]
+AlphaChannel = Literal["r", "g", "b", "alpha"]
 
 
-def _check_surface(material: Material) -> None:
+def _check_surface(material: Lambert | BlinnPhong | MetallicRoughness) -> None:
     if material.alpha_mode not in ("opaque", "mask", "blend"):
         raise SceneError(f'material.alpha_mode must be "opaque", "mask" or "blend", got {material.alpha_mode!r}', material.name)
-    for field, value in vars(material).items():
-        if field.endswith("texture") and not isinstance(value, (Texture, type(None))):
-            raise SceneError(f"material.{field} must be a Texture, got {type(value).__name__}", material.name)
+    _check_textures(material)
     _put_number(material, "alpha", 0.0, 1.0)
     _put_number(material, "alpha_cutoff", 0.0, 1e30)
+    _put_number(material, "normal_scale", -1e6, 1e6)
+    if material.alpha_channel not in get_args(AlphaChannel):
+        raise SceneError(f'material.alpha_channel must be "r", "g", "b" or "alpha", got {material.alpha_channel!r}', material.name)
+
+
+def _check_textures(material: Lambert | BlinnPhong | MetallicRoughness | Dielectric) -> None:
+    for field, value in vars(material).items():
+        if field.endswith("texture") and not isinstance(value, (Texture, *get_args(Pattern), type(None))):
+            raise SceneError(f"material.{field} must be a Texture or a pattern, got {type(value).__name__}", material.name)
+    if material.bump_texture is not None and material.bump_texture.uv_set != 0:
+        raise SceneError("material.bump_texture must use the texture coordinates of set 0", material.name)
+    _put_number(material, "bump_scale", -1e6, 1e6)
 
 
 def _put_number(material: Material, field: str, least: float, most: float) -> None:
@@ -48,22 +64,40 @@ class Lambert:
     ----------
     color : three floats >= 0
         The diffuse coefficient kd, linear Rec. 709.
-    texture : Texture, optional
+    texture : Texture or pattern, optional
         Multiplies `color` (and its alpha `alpha`).
     emission : three floats >= 0
         Radiance that the surface itself gives off.
     double_sided : bool
         False: the camera does not see its back. Light does: it casts shadows, and is seen in mirrors.
+    emission_texture : Texture or pattern, optional
+        Multiplies `emission`.
+    normal_texture : Texture, optional
+        A normal map as in glTF: the normal is ``2 c - 1`` by tangent, bitangent and normal, the first two times `normal_scale`.
+    bump_texture : Texture or pattern, optional
+        The height of a rough surface over the smooth one, in its red channel (FoCG 11.4): its normals are shown, its outline is not. A
+        picture's numbers are heights where its texels are linear (`srgb` False).
+    bump_scale : float
+        Height where the texture is 1, in the object's own units; below 0, heights are depths.
+    alpha_texture, alpha_channel : Texture or pattern, optional, and "r" | "g" | "b" | "alpha"
+        A channel of it multiplies `alpha`.
     """
 
     color: Triple = (0.8, 0.8, 0.8)
-    texture: Texture | None = None
+    texture: AnyTexture | None = None
     emission: Triple = (0.0, 0.0, 0.0)
     double_sided: bool = True
     alpha: float = 1.0
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     name: str = ""
+    emission_texture: AnyTexture | None = None
+    normal_texture: AnyTexture | None = None
+    normal_scale: float = 1.0
+    bump_texture: AnyTexture | None = None
+    bump_scale: float = 1.0
+    alpha_texture: AnyTexture | None = None
+    alpha_channel: AlphaChannel = "r"
 
     def __post_init__(self) -> None:
         _put_color(self, "color")
@@ -94,8 +128,17 @@ class BlinnPhong:
         Scale the highlight by (p + 2) / 8, so that seen from straight above it sends out ks of what it gets, whatever p: the integral
         of (n.h)^p over directions is ``8 pi / (p + 2)``, but for what lies below the horizon. (r.e)^p: by (p + 1) / 2. The book's
         formulas are without.
-    diffuse_texture, specular_texture : Texture, optional
-        Multiply kd and ks.
+    diffuse_texture, specular_texture, emission_texture : Texture or pattern, optional
+        Multiply kd, ks and `emission`.
+    normal_texture : Texture, optional
+        A normal map as in glTF: the normal is ``2 c - 1`` by tangent, bitangent and normal, the first two times `normal_scale`.
+    bump_texture : Texture or pattern, optional
+        The height of a rough surface over the smooth one, in its red channel (FoCG 11.4): its normals are shown, its outline is not. A
+        picture's numbers are heights where its texels are linear (`srgb` False).
+    bump_scale : float
+        Height where the texture is 1, in the object's own units; below 0, heights are depths.
+    alpha_texture, alpha_channel : Texture or pattern, optional, and "r" | "g" | "b" | "alpha"
+        A channel of it multiplies `alpha`.
     """
 
     diffuse: Triple = (0.8, 0.8, 0.8)
@@ -106,14 +149,21 @@ class BlinnPhong:
     emission: Triple = (0.0, 0.0, 0.0)
     highlight: Literal["blinn", "phong"] = "blinn"
     normalized: bool = False
-    diffuse_texture: Texture | None = None
-    specular_texture: Texture | None = None
+    diffuse_texture: AnyTexture | None = None
+    specular_texture: AnyTexture | None = None
     double_sided: bool = True
     alpha: float = 1.0
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     name: str = ""
     mirror_blur: float | None = None
+    emission_texture: AnyTexture | None = None
+    normal_texture: AnyTexture | None = None
+    normal_scale: float = 1.0
+    bump_texture: AnyTexture | None = None
+    bump_scale: float = 1.0
+    alpha_texture: AnyTexture | None = None
+    alpha_channel: AlphaChannel = "r"
 
     def __post_init__(self) -> None:
         for field in ("diffuse", "specular", "mirror", "emission"):
@@ -136,7 +186,7 @@ class MetallicRoughness:
     ----------
     base_color : three floats >= 0
     metallic, roughness : floats in [0, 1]
-    base_color_texture, metallic_roughness_texture, emissive_texture, normal_texture, occlusion_texture : Texture, optional
+    base_color_texture, metallic_roughness_texture, emissive_texture, normal_texture, occlusion_texture : Texture or pattern, optional
         As in glTF: roughness in G, metallic in B, occlusion in R; colours sRGB-encoded.
     normal_scale, occlusion_strength : float
     emission : three floats >= 0
@@ -145,33 +195,95 @@ class MetallicRoughness:
         Show the base colour as it is (KHR_materials_unlit).
     double_sided : bool
         False: the camera does not see its back. Light does: it casts shadows, and is seen in mirrors.
+    bump_texture : Texture or pattern, optional
+        The height of a rough surface over the smooth one, in its red channel (FoCG 11.4): its normals are shown, its outline is not. A
+        picture's numbers are heights where its texels are linear (`srgb` False).
+    bump_scale : float
+        Height where the texture is 1, in the object's own units; below 0, heights are depths.
+    alpha_texture, alpha_channel : Texture or pattern, optional, and "r" | "g" | "b" | "alpha"
+        A channel of it multiplies `alpha`.
+    ior : float >= 1, or 0
+        Index of refraction of what is no metal: straight on it reflects ``((ior - 1) / (ior + 1))^2``. 0 is glTF's word for infinity.
+    dispersion : float >= 0
+        20 / V, V the Abbe number: how much more the blue is bent than the red. Crown glass 0.34, diamond 0.36, 0: nothing.
+    clearcoat, sheen, specular, transmission, volume, anisotropy, iridescence, diffuse_transmission : optional
+        What glTF has extensions for, see `limner.scene.material_extensions`. They are kept, read and written; the renderers show the
+        material without them.
+    variants : tuple of Variant
+        What stands in its place where the scene is shown in another variant, see `limner.scene.variants.with_variant`.
     """
 
     base_color: Triple = (1.0, 1.0, 1.0)
     metallic: float = 1.0
     roughness: float = 1.0
-    base_color_texture: Texture | None = None
-    metallic_roughness_texture: Texture | None = None
-    normal_texture: Texture | None = None
+    base_color_texture: AnyTexture | None = None
+    metallic_roughness_texture: AnyTexture | None = None
+    normal_texture: AnyTexture | None = None
     normal_scale: float = 1.0
-    occlusion_texture: Texture | None = None
+    occlusion_texture: AnyTexture | None = None
     occlusion_strength: float = 1.0
     emission: Triple = (0.0, 0.0, 0.0)
-    emissive_texture: Texture | None = None
+    emissive_texture: AnyTexture | None = None
     unlit: bool = False
     double_sided: bool = False
     alpha: float = 1.0
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     name: str = ""
+    bump_texture: AnyTexture | None = None
+    bump_scale: float = 1.0
+    alpha_texture: AnyTexture | None = None
+    alpha_channel: AlphaChannel = "r"
+    ior: float = 1.5
+    dispersion: float = 0.0
+    clearcoat: Clearcoat | None = None
+    sheen: Sheen | None = None
+    specular: Specular | None = None
+    transmission: Transmission | None = None
+    volume: Volume | None = None
+    anisotropy: Anisotropy | None = None
+    iridescence: Iridescence | None = None
+    diffuse_transmission: DiffuseTransmission | None = None
+    variants: tuple[Variant, ...] = ()
 
     def __post_init__(self) -> None:
         _put_color(self, "base_color")
         _put_color(self, "emission")
         for field in ("metallic", "roughness", "occlusion_strength"):
             object.__setattr__(self, field, unit_interval(getattr(self, field), f"material.{field}"))
-        _put_number(self, "normal_scale", -1e6, 1e6)
         _check_surface(self)
+        _put_number(self, "dispersion", 0.0, 1e6)
+        _put_number(self, "ior", 0.0, 1e6)
+        if 0.0 < self.ior < 1.0:
+            raise SceneError(f"material.ior must be at least 1, or 0 for infinity, got {self.ior}", self.name)
+        for field, kind in _PARTS.items():
+            if not isinstance(getattr(self, field), (kind, type(None))):
+                raise SceneError(f"material.{field} must be of type {kind.__name__}, got {type(getattr(self, field)).__name__}", self.name)
+        object.__setattr__(self, "variants", tuple(self.variants))
+        for variant in self.variants:
+            if not isinstance(variant, Variant):
+                raise SceneError(f"material.variants must be of type Variant, got {type(variant).__name__}", self.name)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """What a material is in one of the variants of its scene (KHR_materials_variants).
+
+    Parameters
+    ----------
+    name : str
+        Of the variant.
+    material : any material
+    """
+
+    name: str
+    material: Material
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise SceneError(f"variant.name must be text, got {type(self.name).__name__}")
+        if not isinstance(self.material, Material):
+            raise SceneError(f"variant.material must be a material, got {type(self.material).__name__}", self.name)
 
 
 @dataclass(frozen=True)
@@ -216,6 +328,10 @@ class Dielectric:
         How much is reflected: by Fresnel's equations, or by Schlick's approximation to them.
     priority : int
         Who fills the place where two overlap.
+    tint_texture : Texture or pattern, optional
+        Multiplies `tint`.
+    bump_texture, bump_scale : Texture or pattern, optional, and float
+        As for `Lambert`: ripples on water, hammered glass.
 
     `ray` and `path` follow light through it; `raster`, which cannot, draws it as a thin veil.
     """
@@ -228,6 +344,9 @@ class Dielectric:
     fresnel: Literal["exact", "schlick"] = "exact"
     priority: int = 0
     name: str = ""
+    tint_texture: AnyTexture | None = None
+    bump_texture: AnyTexture | None = None
+    bump_scale: float = 1.0
 
     emission: ClassVar[Triple] = (0.0, 0.0, 0.0)
     alpha: ClassVar[float] = 0.25
@@ -246,6 +365,7 @@ class Dielectric:
             raise SceneError(f'material.fresnel must be "exact" or "schlick", got {self.fresnel!r}', self.name)
         if isinstance(self.priority, bool) or not isinstance(self.priority, int) or abs(self.priority) > 1 << 24:
             raise SceneError(f"material.priority must be an integer up to 2^24, got {self.priority!r}", self.name)
+        _check_textures(self)
 
     @classmethod
     def with_color_at(cls, color: Any, depth: float, **fields: Any) -> Dielectric:
@@ -310,3 +430,8 @@ class CoolToWarm:
 
 
 Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness | ShadowCatcher | Dielectric | CoolToWarm
+
+_PARTS: dict[str, type] = {
+    "clearcoat": Clearcoat, "sheen": Sheen, "specular": Specular, "transmission": Transmission, "volume": Volume,
+    "anisotropy": Anisotropy, "iridescence": Iridescence, "diffuse_transmission": DiffuseTransmission,
+}  # fmt: skip

@@ -12,7 +12,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.lanes import any_of, max, min, spread, where
-from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize, reflect
 from ..tables.layouts import BLINN_PHONG, COOL_TO_WARM, DIELECTRIC, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
 from .bump import bumped_normal
 from .cool_to_warm import cool_to_warm
@@ -23,11 +23,12 @@ from .phong import eval_blinn_phong, eval_phong
 from .surface import SurfacePoint
 from .texture import place_in, sample_place, sample_texture
 
-__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "shading_normal", "tint_at"]
+__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "seen_in_mirrors", "shading_normal", "tint_at"]
 
 f32 = np.float32
 _DIELECTRIC_F0 = f32(0.04)
 _TWO = f32(2.0)
+_CLEARANCE, _LEAST_COSINE = f32(0.01), f32(1e-3)
 
 
 class Bsdf(NamedTuple):
@@ -45,6 +46,28 @@ class Bsdf(NamedTuple):
     emission: Color
     alpha: np.float32  # coverage
     albedo: Color  # the base colour as painted
+
+
+@kernel
+def seen_in_mirrors(bsdf: Bsdf, n: Vec3, wo: Vec3) -> Bsdf:
+    """The same lobes about a normal in whose mirror the outside is seen.
+
+    A normal map, or a coarse mesh with smooth normals, can turn the shading normal so far that what wo sees in it would lie below the
+    geometric surface n, where there is nothing: metals get black rims. There the normal is bent back until the mirrored direction just
+    clears the horizon.
+
+    **Source**: Keller et al., *The Iray light transport simulation and rendering system*, 2017, A.3.
+    """
+    r = reflect(-wo, bsdf.ns)
+    below = dot(n, r)
+    if below >= _CLEARANCE or max_component(bsdf.f0) + max_component(bsdf.mirror) <= ZERO:
+        return bsdf
+    above = normalize(r + bsdf.ns * ((_CLEARANCE - below) / max(dot(n, bsdf.ns), _LEAST_COSINE)))
+    ns = normalize(wo + above)
+    return Bsdf(
+        ns, bsdf.diffuse, bsdf.specular, bsdf.exponent, bsdf.f0, bsdf.roughness2, bsdf.ambient, bsdf.occlusion, bsdf.mirror, bsdf.emission,
+        bsdf.alpha, bsdf.albedo,
+    )  # fmt: skip
 
 
 @kernel

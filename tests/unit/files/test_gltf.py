@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -315,16 +316,32 @@ def test_unused_vertices_are_left_out(writer: Any, tmp_path: Path) -> None:
 
 def test_unknown_extensions_are_named(triangle: Any, tmp_path: Path) -> None:
     """What is used is noted; what is required and unknown is a warning, and drawn all the same."""
-    triangle.document.update(extensionsUsed=["KHR_materials_sheen", "ACME_magic"], extensionsRequired=["ACME_magic"])
+    triangle.document.update(extensionsUsed=["ACME_dust", "ACME_magic"], extensionsRequired=["ACME_magic"])
     with pytest.warns(LimnerWarning, match="requires 'ACME_magic'"):
         scene = load(triangle.save(tmp_path))
     assert len(scene.shapes()) == 1
-    assert any("KHR_materials_sheen" in note for note in scene.notes)
+    assert any("ACME_dust" in note for note in scene.notes)
+
+
+def test_scene_by_name(triangle: Any, tmp_path: Path) -> None:
+    """`load` shows any of a file's scenes, by name or number; one that is not there is refused with those that are."""
+    triangle.document["scenes"] = [{"nodes": [0], "name": "shop"}, {"nodes": [], "name": "void"}]
+    path = triangle.save(tmp_path)
+    assert [load(path, scene=wanted).name for wanted in (None, 0, "shop")] == ["shop"] * 3
+    with pytest.warns(LimnerWarning, match="shows none"):
+        assert not load(path, scene="void").shapes()
+    for wanted in ("bar", 2, -1):
+        with pytest.raises(FileFormatError, match="its 2 scenes are 'shop', 'void'"):
+            load(path, scene=wanted)
+    (tmp_path / "model.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with pytest.raises(UnsupportedError, match="only glTF files"):
+        load(tmp_path / "model.obj", scene=0)
 
 
 @pytest.mark.parametrize("fallback", [True, False])
-def test_draco(triangle: Any, tmp_path: Path, fallback: bool) -> None:
-    """Compressed geometry is refused, naming the tool that unpacks it, unless the file has it uncompressed too."""
+def test_draco(triangle: Any, tmp_path: Path, fallback: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without its library compressed geometry is refused, naming what helps, unless the file has it uncompressed too."""
+    monkeypatch.setitem(sys.modules, "DracoPy", None)
     primitive = triangle.document["meshes"][0]["primitives"][0]
     primitive["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
     if fallback:

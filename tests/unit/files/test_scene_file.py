@@ -33,6 +33,7 @@ from limner.files.scene_file_yaml import MAX_NESTING, compose, emit
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
 from limner.scene import camera, distance, light, material, procedural
+from limner.scene import material_extensions as parts
 from limner.scene.animation import Animation, FieldChannel, NodeChannel, WeightsChannel
 from limner.scene.digest import scene_digest
 from limner.scene.displacement import Displacement
@@ -99,6 +100,13 @@ def _materials() -> tuple[material.Material, ...]:
         material.Dielectric(1.33, priority=3, absorption=(0.1, 0.0, 0.5), tint_texture=patterns[4]),
         material.ShadowCatcher("floor"),
         material.CoolToWarm(towards=AXIS),
+        material.MetallicRoughness(
+            ior=1.3, dispersion=0.1, clearcoat=parts.Clearcoat(0.5, factor_texture=picture), sheen=parts.Sheen((0.1, 0.2, 0.3)),
+            specular=parts.Specular(color_texture=patterns[0]), transmission=parts.Transmission(0.25),
+            volume=parts.Volume(0.1, None, 2.0, (0.5, 1.0, 1.0)), anisotropy=parts.Anisotropy(0.5, -1.0, picture),
+            iridescence=parts.Iridescence(0.5), diffuse_transmission=parts.DiffuseTransmission(0.5), name="rich",
+            variants=(material.Variant("red", material.Lambert((1.0, 0.0, 0.0), name="red")),),
+        ),
         material.Lambert(texture=patterns[5], alpha_texture=patterns[6], alpha_mode="mask", alpha_channel="g"),
         material.Lambert(texture=picture),
     )

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .curves.curve import Parametric, Spline
     from .draw.color_bar import ColorBar, with_color_bar
     from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
+    from .files.interop import to_trimesh
     from .files.load import load
     from .files.open_image import open_image
     from .files.pictures import read_texels
@@ -209,6 +210,7 @@ __all__ = [
     "stages",
     "subdivide",
     "thumbnails",
+    "to_trimesh",
     "topology_report",
     "turntable",
     "unwrap_report",
@@ -232,6 +234,7 @@ _HOMES = {
     "curves.curve": ("Parametric", "Spline"),
     "draw.color_bar": ("ColorBar", "with_color_bar"),
     "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
+    "files.interop": ("to_trimesh",),
     "files.load": ("load",),
     "files.open_image": ("open_image",),
     "files.pictures": ("read_texels",),

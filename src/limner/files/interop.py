@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+import tempfile
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,7 @@ from .notes import Notes, quoted
 from .obj import CREASE_DEGREES
 from .triangles import count_degenerate, finite_rows
 
-__all__ = ["as_scene", "read", "scene_from_arrays", "scene_from_trimesh"]
+__all__ = ["as_scene", "read", "scene_from_arrays", "scene_from_trimesh", "to_trimesh"]
 
 # What trimesh itself needs for a format, beyond NumPy.
 _NEEDS = {"dae": "pycollada", "3mf": "networkx lxml"}
@@ -217,6 +218,28 @@ def scene_from_trimesh(given: Any, *, limits: Limits = DEFAULT, notes: Notes | N
     if not nodes:
         raise SceneError("has no triangles")
     return Scene(Node(children=tuple(nodes)), notes=notes.lines())
+
+
+def to_trimesh(scene: Scene) -> Any:
+    """Make a `trimesh.Scene` of a scene: its graph, meshes and materials, as glTF has them; exact shapes become triangles.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    trimesh.Scene
+
+    Raises UnsupportedError where trimesh is missing.
+    """
+    trimesh = _import_trimesh("a trimesh scene")
+    from .write_gltf import write
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.glb"
+        write(scene, path)
+        return trimesh.load_scene(path)
 
 
 def _placed_geometry(scene: Any, node: Any) -> tuple[NDArray[np.float64], Any]:

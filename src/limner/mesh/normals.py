@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,9 @@ _PAIRS_AT_ONCE = 1 << 22
 _ANY_NORMAL = (0.0, 0.0, 1.0)
 # Triangles at a time that stay in the cache from one step to the next.
 _BLOCK = 1 << 14
+
+Weights: TypeAlias = Literal["angle", "area"]
+
 
 
 def face_normals(positions: ArrayLike, triangles: ArrayLike) -> Floats:
@@ -55,13 +58,16 @@ def face_normals(positions: ArrayLike, triangles: ArrayLike) -> Floats:
     return np.stack(_faces(*_arrays(positions, triangles))[0], axis=1)
 
 
-def vertex_normals(positions: ArrayLike, triangles: ArrayLike) -> NDArray[np.float32]:
-    """Compute one smooth normal per vertex: the angle-weighted mean of the faces around it.
+def vertex_normals(positions: ArrayLike, triangles: ArrayLike, weights: Weights = "angle") -> NDArray[np.float32]:
+    """Compute one smooth normal per vertex: the weighted mean of the faces around it.
 
     Parameters
     ----------
     positions : (n, 3) float
     triangles : (m, 3) int
+    weights : "angle" | "area"
+        What each face counts: its angle at the vertex, so that the normal does not depend on how the surface is cut into triangles; or
+        its area, which favours what is large and flat.
 
     Returns
     -------
@@ -70,8 +76,13 @@ def vertex_normals(positions: ArrayLike, triangles: ArrayLike) -> NDArray[np.flo
 
     **Source**: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", *Journal of Graphics Tools* 3(1), 1998.
     """
+    if weights not in get_args(Weights):
+        raise SceneError(f'weights must be "angle" or "area", got {weights!r}')
     points, corners = _arrays(positions, triangles)
     normal, angles = _faces(points, corners)
+    if weights == "area":
+        across = triangle_vectors(points, corners)[3]
+        angles = np.where(angles > 0.0, np.sqrt(inner(across, across))[:, None], 0.0)
     return _means(corners, normal, angles, len(points)).astype(np.float32)
 
 

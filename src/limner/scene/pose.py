@@ -9,7 +9,7 @@ What does not change is shared with the scene that is given: meshes, materials, 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..mesh.mesh import Mesh
 from .animation import Animation, FieldChannel, NodeChannel, WeightsChannel
+from .graph import visited
 from .node import Node, Placed
 from .rig import Skin, posed_mesh
 from .scene import Scene
@@ -26,8 +27,6 @@ from .shape import Shape
 __all__ = ["ALL", "animated", "animation_of", "at", "is_rigged", "posed"]
 
 ALL = "all"
-
-Change = Callable[[Placed], Node]
 
 
 def animation_of(scene: Scene, animation: str | int | None = None) -> Animation | None:
@@ -88,7 +87,7 @@ def animated(scene: Scene, animation: str | int | None = None, time: float = 0.0
         changes |= fields.of_node(placed)
         return dataclasses.replace(node, **changes) if changes else node
 
-    return _changed(scene, change, time)
+    return visited(scene, change, time)
 
 
 def is_rigged(scene: Scene) -> bool:
@@ -114,7 +113,7 @@ def posed(scene: Scene, time: float = 0.0) -> Scene:
         matrices = None if node.skin is None else _mesh_from_bound(node.skin, placed, places)
         return dataclasses.replace(node, shapes=tuple(_posed_shape(shape, node, matrices) for shape in node.shapes))
 
-    return _changed(scene, change, time)
+    return visited(scene, change, time)
 
 
 def _posed_shape(shape: Shape, node: Node, matrices: NDArray[np.float64] | None) -> Shape:
@@ -148,30 +147,8 @@ def _standing(scene: Scene, time: float) -> Scene:
         node = placed.node
         return node if node.motion is None else dataclasses.replace(node, parent_from_node=node.place(time), motion=None)
 
-    stopped = _changed(scene, change, time)
+    stopped = visited(scene, change, time)
     return stopped if stopped.camera is None else stopped.replace(camera=stopped.camera.standing(time))
-
-
-def _changed(scene: Scene, change: Change, time: float) -> Scene:
-    """A scene with some nodes exchanged, from the leaves up; branches in which nothing changes stay the same objects."""
-    visits = list(scene.root.walk(time=time))
-    made: list[list[Node]] = [[]]
-    depth_of_next = 0
-    # The walk is in preorder, so in reverse every node comes after its children, the last child first.
-    for placed in reversed(visits):
-        node, depth = placed.node, placed.depth
-        while len(made) <= depth + 1:
-            made.append([])
-        children = tuple(reversed(made[depth + 1]))
-        made[depth + 1] = []
-        new = change(placed)
-        if len(children) != len(node.children) or any(a is not b for a, b in zip(children, node.children, strict=True)):
-            new = dataclasses.replace(new, children=children)
-        made[depth].append(new)
-        depth_of_next = depth
-    assert depth_of_next == 0
-    (root,) = made[0]
-    return scene if root is scene.root else scene.replace(root=root)
 
 
 def _check_targets(scene: Scene, paths: set[str], animation: Animation) -> None:

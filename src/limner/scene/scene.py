@@ -88,6 +88,16 @@ class Scene:
         moment: Scene = pose.at(self, time, animation)
         return moment
 
+    def find(self, pattern: str) -> tuple[Placed, ...]:
+        """Every node whose path or name is like a pattern; see `limner.scene.graph.find`."""
+        found: tuple[Placed, ...] = importlib.import_module(".graph", __package__).find(self, pattern)
+        return found
+
+    def with_node(self, path: str, new: Any) -> Scene:
+        """The scene with another node at a path, or none; see `limner.scene.graph.with_node`."""
+        made: Scene = importlib.import_module(".graph", __package__).with_node(self, path, new)
+        return made
+
     def walk(self, time: ArrayLike = 0.0) -> Iterator[Placed]:
         """The visible nodes, parents first, as they stand at a time, or at k times at once."""
         return self.root.walk(hidden=False, time=time)

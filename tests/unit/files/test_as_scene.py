@@ -80,3 +80,27 @@ def test_what_is_no_scene(thing: Any, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         as_scene(thing)
     assert "\n" not in str(caught.value)
+
+
+def test_a_scene_becomes_one_of_trimesh_and_comes_back() -> None:
+    """The graph, the places and the triangles are those of the scene; a shared mesh is shared."""
+    trimesh = pytest.importorskip("trimesh")
+    from limner.files.interop import scene_from_trimesh, to_trimesh
+    from limner.linear import transform
+    from limner.mesh.platonic import box
+    from limner.scene.node import Node
+    from limner.scene.scene import Scene
+    from limner.scene.shape import Shape, Sphere
+
+    shape = Shape(box((1, 2, 3)))
+    nodes = tuple(Node(f"part {k}", transform.translate(4.0 * k, 0, 0) @ transform.rotate_y(k), shapes=(shape,)) for k in range(3))
+    scene = Scene(Node("world", children=(*nodes, Node("ball", transform.translate(0, 9, 0), shapes=(Shape(Sphere(1.0)),)))))
+    made = to_trimesh(scene)
+    assert isinstance(made, trimesh.Scene)
+    assert len(made.geometry) == 2
+    assert {f"part {k}" for k in range(3)} <= set(made.graph.nodes)
+    np.testing.assert_allclose(made.bounds, scene.bounds(), atol=1e-2)
+    np.testing.assert_allclose(made.graph.get("part 2")[0], nodes[2].parent_from_node, atol=1e-6)
+    again = scene_from_trimesh(made)
+    np.testing.assert_allclose(again.bounds(), made.bounds, atol=1e-6)
+    assert len(again.shapes()) == 4

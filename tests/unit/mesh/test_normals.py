@@ -166,3 +166,18 @@ def test_a_scanned_bunny_takes_a_blink():
     assert len(normals) < 1.2 * len(positions)
     cosines = np.einsum("mkc,mc->mk", normals[index], face_normals(positions, triangles))
     assert (cosines > np.cos(np.radians(41.0))).mean() > 0.999
+
+
+def test_weights_by_area_are_sums_of_cross_products():
+    """Twice the area times the normal is the cross product of two sides; a quadrilateral's normal then depends on how it is cut."""
+    mesh = primitives.uv_sphere(7, 5)
+    rng = np.random.default_rng(4)
+    positions = (mesh.positions * rng.uniform(0.6, 1.2, (len(mesh.positions), 1))).astype(np.float32)
+    a, b, c = positions[mesh.triangles].astype(np.float64).transpose(1, 0, 2)
+    sums = np.zeros((len(positions), 3))
+    for corner in range(3):
+        np.add.at(sums, mesh.triangles[:, corner], np.cross(b - a, c - a))
+    expected = sums / np.linalg.norm(sums, axis=1, keepdims=True)
+    np.testing.assert_allclose(vertex_normals(positions, mesh.triangles, "area"), expected, atol=1e-6)
+    with pytest.raises(SceneError, match='weights must be "angle" or "area"'):
+        vertex_normals(positions, mesh.triangles, "edge")

@@ -2,7 +2,7 @@
 
     newmtl red          a material begins
     Kd 0.8 0.1 0.1      diffuse, Ks specular, Ns the exponent, Ke emission, d opacity (Tr = 1 - d)
-    map_Kd brick.png    a picture that multiplies Kd
+    map_Kd brick.png    a picture that multiplies Kd; map_Ks, map_Ke, map_d for opacity, norm for normals
     illum 2             2: highlights, 1: none, 3 and above: ideal reflections too
     Pr 0.4 / Pm 1.0     roughness and metallic, where an exporter knows them
 
@@ -22,7 +22,7 @@ from pathlib import Path, PureWindowsPath
 
 from ..errors import FileFormatError, LimnerError
 from ..scene.material import BlinnPhong, Material, MetallicRoughness
-from ..scene.texture import Texture
+from ..scene.texture import Texels, Texture
 from .notes import Notes, quoted, without_path
 from .pictures import Pictures
 from .sources import Sources
@@ -37,10 +37,10 @@ _OPTIONS = {
     "-t": 3, "-texres": 1, "-type": 1,
 }  # fmt: skip
 _WORD_OPTIONS = frozenset({"-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type"})
-_MAPS = ("map_kd", "map_ks", "map_ke", "norm")
-_UNREAD_MAPS = frozenset({
-    "map_ka", "map_ns", "map_d", "map_tr", "map_bump", "bump", "disp", "decal", "refl", "map_pr", "map_pm", "map_ps",
-})  # fmt: skip
+_MAPS = ("map_kd", "map_ks", "map_ke", "map_d", "norm", "map_bump", "bump")
+_UNREAD_MAPS = frozenset({"map_ka", "map_ns", "map_tr", "disp", "decal", "refl", "map_pr", "map_pm", "map_ps"})
+# Whether a picture is a normal map: its mean is near (1/2, 1/2, 1), as heights, which are grey, never are.
+_NORMAL_BLUE, _NORMAL_RED_GREEN = 0.7, 0.12
 
 
 @dataclass
@@ -127,6 +127,13 @@ def _split_map(text: str) -> tuple[str, dict[str, list[str]]]:
     return name.strip().strip('"'), options
 
 
+def _is_normal_map(texels: Texels) -> bool:
+    """Whether a picture holds directions rather than heights."""
+    full = texels.white
+    red, green, blue = (texels.pixels[..., :3].reshape(-1, 3).mean(axis=0) / full).tolist()
+    return blue > _NORMAL_BLUE and max(abs(red - 0.5), abs(green - 0.5)) < _NORMAL_RED_GREEN
+
+
 def _is_number(word: str) -> bool:
     try:
         float(word)
@@ -198,38 +205,56 @@ class _Maker:
             self._notes.add("illum 0 (colour without light) is drawn as a matte surface", self._where)
         if illumination in (4, 6, 7, 9):
             self._notes.add(f"illum {illumination} (glass) is drawn by its opacity alone", self._where)
-        alpha = self._alpha()
+        alpha, opacity = self._alpha(), self._texture("map_d", srgb=False)
+        emissive = self._texture("map_ke", srgb=True)
         return BlinnPhong(
             diffuse=diffuse,
             specular=specular,
             exponent=min(max(numbers.get("ns", 32.0), 1.0), 1e6),
             mirror=specular if 3 <= illumination <= 7 else (0.0, 0.0, 0.0),
-            emission=colors.get("ke", (0.0, 0.0, 0.0)),
+            emission=colors.get("ke", (1.0, 1.0, 1.0) if emissive is not None else (0.0, 0.0, 0.0)),
+            emission_texture=emissive,
             diffuse_texture=texture,
             specular_texture=self._texture("map_ks", srgb=True) if max(specular) > 0.0 else None,
+            normal_texture=self._normals(),
             alpha=alpha,
-            alpha_mode="blend" if alpha < 1.0 else "opaque",
+            alpha_texture=opacity,
+            alpha_mode="blend" if alpha < 1.0 or opacity is not None else "opaque",
             name=self._entry.name,
         )
 
     def _physical(self) -> MetallicRoughness:
         colors, numbers = self._entry.colors, self._entry.numbers
         diffuse, texture = self._diffuse()
-        alpha = self._alpha()
+        alpha, opacity = self._alpha(), self._texture("map_d", srgb=False)
         emissive = self._texture("map_ke", srgb=True)
         return MetallicRoughness(
             base_color=diffuse,
             metallic=min(numbers.get("pm", 0.0), 1.0),
             roughness=min(numbers.get("pr", 0.5), 1.0),
             base_color_texture=texture,
-            normal_texture=self._texture("norm", srgb=False),
+            normal_texture=self._normals(),
             emission=colors.get("ke", (1.0, 1.0, 1.0) if emissive is not None else (0.0, 0.0, 0.0)),
             emissive_texture=emissive,
             double_sided=True,
             alpha=alpha,
-            alpha_mode="blend" if alpha < 1.0 else "opaque",
+            alpha_texture=opacity,
+            alpha_mode="blend" if alpha < 1.0 or opacity is not None else "opaque",
             name=self._entry.name,
         )
+
+    def _normals(self) -> Texture | None:
+        """The normal map: `norm`, or what stands as a bump map and is one, as Blender writes it; heights say no unit and are left out."""
+        given = self._texture("norm", srgb=False)
+        for keyword in ("map_bump", "bump"):
+            if given is not None or keyword not in self._entry.maps:
+                continue
+            found = self._texture(keyword, srgb=False)
+            if found is not None and _is_normal_map(found.texels):
+                given = found
+            elif found is not None:
+                self._notes.add(f"{keyword} is ignored: MTL does not say how high its heights are", self._where)
+        return given
 
     def _texture(self, keyword: str, *, srgb: bool) -> Texture | None:
         text = self._entry.maps.get(keyword)

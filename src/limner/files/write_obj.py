@@ -84,16 +84,21 @@ class Library:
         elif isinstance(material, BlinnPhong):
             shiny = max(material.specular) > 0.0
             lines += [f"Ks {_numbers(material.specular)}", f"Ns {material.exponent:.9g}", f"illum {2 if shiny else 1}"]
-            maps = (("map_Kd", material.diffuse_texture), ("map_Ks", material.specular_texture))
+            maps = (
+                ("map_Kd", material.diffuse_texture), ("map_Ks", material.specular_texture), ("norm", material.normal_texture),
+                ("map_Ke", material.emission_texture),
+            )  # fmt: skip
         else:
             lines.append("illum 1")
-            maps = (("map_Kd", getattr(material, "texture", None)),)
+            maps = (("map_Kd", getattr(material, "texture", None)), ("map_Ke", getattr(material, "emission_texture", None)))
+        if getattr(material, "alpha_channel", "") == "r":
+            maps = (*maps, ("map_d", material.alpha_texture))  # type: ignore[union-attr]
         if any(texture is not None and not isinstance(texture, Texture) for _, texture in maps):
             warn(f"material {material.name!r} has a texture that is a formula, which is left out", LimnerWarning, stacklevel=5)
         return lines + [f"{keyword} {self._map(keyword, texture)}" for keyword, texture in maps if isinstance(texture, Texture)]
 
     def _map(self, keyword: str, texture: Texture) -> str:
-        key = texture.texels, keyword != "norm"
+        key = texture.texels, keyword not in ("norm", "map_d")
         if key not in self._pictures:
             self._pictures[key] = f"{_word(self._stem)}_{len(self._pictures)}.png"
         options = ""

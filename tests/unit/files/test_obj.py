@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from limner.errors import FileFormatError, LimnerError, LimnerWarning
 from limner.files.limits import Limits
 from limner.files.load import load
 from limner.files.obj import read
 from limner.mesh.mesh import Mesh
-from limner.scene.material import BlinnPhong, Lambert
+from limner.scene.material import BlinnPhong, Lambert, MetallicRoughness
 from limner.scene.scene import Scene
+from limner.scene.texture import Texture
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -276,6 +278,33 @@ def test_mtl_textures(tmp_path: Path) -> None:
     assert b.base_color_texture.texels is texture.texels  # type: ignore[union-attr]
     assert (b.roughness, b.metallic) == (0.25, 1.0)  # type: ignore[union-attr]
     np.testing.assert_array_equal(texture.texels.pixels[::-1, :, :3], np.arange(12).reshape(2, 2, 3))
+
+
+def test_mtl_opacity_normals_and_glow(tmp_path: Path) -> None:
+    """map_d is alpha; a bump map that holds directions is a normal map, one of heights is left out and said; map_Ke glows white."""
+    for name, color in (("blue", (128, 128, 255)), ("grey", (90, 90, 90)), ("half", (128, 128, 128))):
+        Image.fromarray(np.full((2, 2, 3), color, dtype=np.uint8)).save(tmp_path / f"{name}.png")
+    (tmp_path / "a.mtl").write_text(
+        "newmtl a\nKd 1 1 1\nmap_d half.png\nmap_Bump -bm 0.5 blue.png\nmap_Ke grey.png\nnewmtl b\nKd 1 1 1\nbump grey.png\n"
+        "newmtl c\nPr 0.5\nnorm blue.png\nmap_d half.png\n"
+    )
+    path = tmp_path / "a.obj"
+    path.write_text("mtllib a.mtl\n" + SQUARE + "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\nusemtl c\nf 1 2 4\n")
+    scene = load(path)
+    (shape,) = [shape for _, shape in scene.shapes()]
+    a, b, c = shape.materials
+    assert isinstance(a, BlinnPhong)
+    assert isinstance(b, BlinnPhong)
+    assert isinstance(c, MetallicRoughness)
+    for material in (a, c):
+        assert isinstance(material.alpha_texture, Texture)
+        assert isinstance(material.normal_texture, Texture)
+        assert (material.alpha_texture.texels.name, material.alpha_mode) == ("half.png", "blend")
+        assert material.normal_texture.texels.name == "blue.png"
+    assert a.emission == (1.0, 1.0, 1.0)
+    assert isinstance(a.emission_texture, Texture)
+    assert (b.normal_texture, b.bump_texture) == (None, None)
+    assert any("bump is ignored: MTL does not say how high" in note for note in scene.notes)
 
 
 @pytest.mark.parametrize("library", ["gone.mtl", "../x.mtl", "/etc/passwd"])

@@ -567,8 +567,9 @@ def thumbnails(talk: Talk, /, **options: Any) -> None:
 def warmup(talk: Talk) -> None:
     """Compile the renderers for this machine now, so that the first picture does not wait for it."""
     from .._door import cache_folder, warm_up
+    from ..tiles import thread_count
 
-    fresh = warm_up(talk.detail)
+    fresh = warm_up(talk.detail, thread_count(None))
     click.echo((f"{fresh} compiled, " if fresh else "") + f"everything is ready in {cache_folder()}")
 
 

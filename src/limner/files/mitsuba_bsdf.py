@@ -163,7 +163,7 @@ class Materials:
             if texture is not None:
                 self._note("approximated", "the texture of alpha is drawn as one number", properties)
                 alpha = _mean(texture)[0]
-        properties.skip("sample_visible", "nonlinear", "component")
+        properties.skip("sample_visible", "nonlinear")  # how it is sampled; `nonlinear` is told of by `_plastic`
         return math.sqrt(min(max(alpha, 0.0), 1.0))
 
     # Kinds
@@ -269,7 +269,8 @@ class Materials:
         )
         spec_trans = self._level(properties, "spec_trans", 0.0)[0]
         eta = self._ior(properties, "eta", "bk7") if properties.has("eta") else 1.5
-        properties.skip("specular", "diffuse_reflectance_sampling_rate", "specular_sampling_rate", "clearcoat_sampling_rate")
+        properties.skip("diffuse_reflectance_sampling_rate", "specular_sampling_rate", "clearcoat_sampling_rate")
+        specular = self._level(properties, "specular", 0.5)[0]
         lobes = ("anisotropic", "sheen", "sheen_tint", "clearcoat", "clearcoat_gloss", "flatness", "spec_tint", "diff_trans")
         kept = [name for name in lobes if properties.has(name) and self._level(properties, name, 0.0)[0] > 0.0]
         if kept:
@@ -279,6 +280,8 @@ class Materials:
                 self._note("approximated", "what is partly of glass is drawn as glass", properties)
             tint = tuple(math.sqrt(min(c, 1.0)) for c in self._plain(properties, "base_color", 0.5))
             return Surface(Dielectric(eta, tint, roughness=min(max(roughness, 0.0), 1.0)))  # type: ignore[arg-type]
+        if abs(eta - 1.5) > 0.05 or specular != 0.5:
+            self._note("approximated", "what principled reflects head on is drawn as of an index of refraction of 1.5", properties)
         if spec_trans > 0.0:
             self._note("ignored", "what is less than half of glass is drawn opaque: spec_trans is ignored", properties)
         if rough_map is not None or metal_map is not None:
@@ -345,6 +348,7 @@ class Materials:
         found = self._held_texture(properties)
         scale = properties.number("scale", 1.0)
         if found is None or inner.material is None:
+            self._note("ignored", "the bump map is ignored: it cannot be read, or what it lies on is not seen", properties)
             return inner
         found = grey_of(found) if isinstance(found, Texture) else found
         return inner._replace(material=dataclasses.replace(inner.material, bump_texture=found, bump_scale=scale))
@@ -352,8 +356,8 @@ class Materials:
     def _normal_map(self, properties: Properties, depth: int) -> Surface:
         inner = self._inner(properties, depth)[0]
         found = self._held_texture(properties)
-        properties.skip("use_shading_frame", "flip_invalid_normals")
         if not isinstance(found, Texture) or inner.material is None:
+            self._note("ignored", "the normal map is ignored: it is no picture, or what it lies on is not seen", properties)
             return inner
         if isinstance(inner.material, Dielectric):
             self._note("ignored", "the normal map of glass is ignored", properties)

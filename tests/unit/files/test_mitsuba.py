@@ -217,6 +217,22 @@ def test_what_light_goes_through(tmp_path: Path) -> None:
     assert thin.alpha == pytest.approx(2 * 0.04 / 1.04)
 
 
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [
+        ('<float name="specular" value="0.9"/>', "head on is drawn as of an index of refraction of 1.5"),
+        ('<float name="eta" value="2.4"/>', "head on is drawn as of an index of refraction of 1.5"),
+        ('<float name="specular" value="0.5"/><float name="specular_sampling_rate" value="2"/>', ""),
+    ],
+)
+def test_what_principled_reflects_is_said(tmp_path: Path, numbers: str, said: str) -> None:
+    """What changes the picture is not passed over; what only spreads samples is."""
+    path = tmp_path / "scene.xml"
+    path.write_text(f'<scene version="3.0.0"><shape type="sphere">{bsdf_of("principled", numbers)}</shape></scene>')
+    notes = load(path).notes
+    assert any(said in note for note in notes) if said else not any("principled" in note for note in notes)
+
+
 def test_coats_and_principled(tmp_path: Path) -> None:
     """Plastic is no metal; principled keeps its numbers; its glass is glass."""
     plastic = material_of(tmp_path, bsdf_of("plastic", '<rgb name="diffuse_reflectance" value="0.1 0.2 0.3"/>'))

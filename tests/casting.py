@@ -12,6 +12,7 @@ from limner._door import Array
 from limner._jit import kernel
 from limner.accel import bvh
 from limner.accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE
+from limner.accel.own_space import FEW_COPIES
 from limner.accel.walk import nearest, occluded
 from limner.kernel.vec import Vec3
 from limner.scene.camera import PerspectiveCamera
@@ -42,7 +43,10 @@ def _cast(instances, attributes, slots, nodes, packs, tags, primitives, planes, 
         ids[k, 2] = 1 if occluded(accelerator, instances, o, d, rays[k, 6], rays[k, 7], stack) else 0
 
 
-def cast(scene: Scene, origins: Any, directions: Any, kind: bvh.Kind = "bvh", t_min: float = 0.0, t_max: float = np.inf) -> Hits:
+def cast(
+    scene: Scene, origins: Any, directions: Any, kind: bvh.Kind = "bvh", t_min: float = 0.0, t_max: float = np.inf,
+    few_copies: int = FEW_COPIES,
+) -> Hits:  # fmt: skip
     """What each ray of a test meets in a scene."""
     tables = flatten(scene, PerspectiveCamera(), 64, 48, tessellate=False).tables
     rays = np.zeros((len(np.atleast_2d(directions)), 8), dtype=np.float32)
@@ -53,5 +57,5 @@ def cast(scene: Scene, origins: Any, directions: Any, kind: bvh.Kind = "bvh", t_
         Array(np.int32, 1), Array(np.float64, 2), Array(np.float32, 2), Array(np.int32, 2),
     )  # fmt: skip
     scratch = np.empty(STACK_SIZE, np.int32), np.empty(ENDS_SHAPE)
-    door(tables.instances, tables.attributes, tables.slots, *bvh.build(tables, kind), rays, *scratch, numbers, ids)
+    door(tables.instances, tables.attributes, tables.slots, *bvh.build(tables, kind, few_copies=few_copies), rays, *scratch, numbers, ids)
     return Hits(*numbers.T, ids[:, 0], ids[:, 1], ids[:, 2] == 1)

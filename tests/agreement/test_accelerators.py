@@ -7,6 +7,7 @@ import pytest
 from casting import Hits, cast
 from staging import grid, place, scene_of
 
+from limner.accel import bvh
 from limner.errors import UnsupportedError
 from limner.linear import transform
 from limner.mesh import primitives
@@ -95,6 +96,54 @@ def test_hierarchy_finds_what_the_list_finds(name):
         assert 0.3 < (hierarchy.instance >= 0).mean() < 0.99
 
 
+def _repeated(random: np.random.Generator) -> Scene:
+    """One mesh turned, stretched, mirrored and laid over itself, of two materials; beside what stands alone."""
+    ball, skins = primitives.sphere(0.3, 10), (MetallicRoughness(), MetallicRoughness(double_sided=True))
+    places = np.eye(4) + np.zeros((40, 1, 1))
+    places[:, :3, :3], places[:, :3, 3] = random.normal(size=(40, 3, 3)) * 0.7, random.normal(size=(40, 3)) * 1.5
+    balls = [place(ball, skins[k % 2], matrix=matrix) for k, matrix in enumerate(places)]
+    return scene_of(*balls, place(grid(5, 2.0), at=(0, -1, 0)), place(Sphere(0.4), at=(0.5, 1, 0)), place(Plane(), at=(0, -2, 0)))
+
+
+def test_a_mesh_in_many_places_is_hit_as_its_copies_are():
+    """A ray taken to the mesh's space meets the same triangles at the same t, up to rounding; so does one that looks for any hit."""
+    random = np.random.default_rng(9)
+    scene, origins, directions = _repeated(random), random.normal(size=(N_RAYS, 3)) * 3, random.normal(size=(N_RAYS, 3))
+    directions[::2] = random.normal(size=directions[::2].shape) * 0.5 - origins[::2]
+    shared, every = cast(scene, origins, directions, few_copies=0), cast(scene, origins, directions, "linear")
+    assert ((every.instance >= 0) & (every.instance < 40)).mean() > 0.1
+    np.testing.assert_array_equal(shared.instance, every.instance)
+    np.testing.assert_array_equal(shared.triangle, every.triangle)
+    np.testing.assert_array_equal(shared.occluded, every.occluded)
+    met = np.isfinite(every.t)
+    np.testing.assert_allclose(shared.t[met], every.t[met], rtol=2e-5, atol=2e-6)
+
+
+def test_few_and_small_things_share_a_tree_too():
+    """Less than a node is full of, alone and beside others, and a copy whose place is no number."""
+    plate = primitives.sphere(0.5, 6)
+    for n, extra in ((2, ()), (2, (place(Sphere(0.2), at=(0, 3, 0)),)), (9, ()), (5, (place(grid(3, 1.0), at=(0, -3, 0)),))):
+        scene = scene_of(*(place(plate, at=(2.0 * k, 0, 0)) for k in range(n)), *extra)
+        origins = np.stack([np.linspace(-0.4, 2.0 * n, 60), np.full(60, 0.05), np.full(60, 5.0)], axis=1)
+        shared, every = (cast(scene, origins, (0, 0, -1) * np.ones((60, 1)), few_copies=few) for few in (0, 1 << 20))
+        np.testing.assert_array_equal(shared.instance, every.instance)
+        assert (every.instance >= 0).any()
+    broken = transform.translate(1e300, 0, 0)
+    hits = cast(scene_of(place(plate), place(plate, at=(2, 0, 0)), place(plate, matrix=broken)), (0.05, 0.03, 5), (0, 0, -1), few_copies=0)
+    assert hits.instance[0] == 0
+
+
+def test_memory_does_not_grow_with_the_copies():
+    """A thousand places of a mesh of two thousand triangles: a tree of one mesh and a thousand boxes, not of two million triangles."""
+    ball = primitives.sphere(0.5, 32)
+    trees = []
+    for n in (1, 1000):
+        tables = build(scene_of(*(place(ball, at=(k % 32, 0, k // 32)) for k in range(n))), PerspectiveCamera(), 4, 4)
+        tree = bvh.build(tables)
+        trees.append(sum(part.nbytes for part in tree))
+    assert trees[1] < trees[0] + 1000 * 512
+
+
 def test_limits_of_the_ray_are_kept():
     """t_min < t < t_max, both excluded, in both searches."""
     random = np.random.default_rng(8)
@@ -178,7 +227,5 @@ def test_an_empty_scene_is_hit_by_nothing():
 
 
 def test_unknown_accelerators_are_refused():
-    from limner.accel import bvh
-
     with pytest.raises(UnsupportedError, match=r'must be "bvh" or "linear", got "?\'?octree'):
         bvh.build(build(Scene(), PerspectiveCamera(), 4, 4), "octree")

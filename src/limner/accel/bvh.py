@@ -4,6 +4,8 @@ A ray that hits a box may hit what is inside; a ray that misses it cannot. The t
 depends on where it is split: the chance that a ray which hits a box also hits a part of it is the ratio of their surface areas
 (Goldsmith and Salmon 1987), so the split with the least ``area x count`` on both sides is expected to cost least (MacDonald and
 Booth 1990), found among 16 bins along each axis (Wald, *On fast construction of SAH-based bounding volume hierarchies*, 2007).
+
+What many instances share, and what moves, has a tree in its own space, and is one primitive of the world's (`own_space`).
 """
 
 from __future__ import annotations
@@ -18,8 +20,19 @@ from ..errors import UnsupportedError
 from ..intersect.csg_program import program_bounds
 from ..tables import layouts as tables_layouts
 from ..tables.layouts import BOX, CSG, DISK, MESH, PLANE, SPHERE, Instants, SceneTables
-from .layouts import NODE, NODE_WORDS, PACK_WORDS, PRIMITIVE, TAG_WORDS, Accelerator
-from .moving import set_moving
+from .layouts import (
+    CORNERS,
+    FIRST_TREE,
+    LINKS,
+    NODE,
+    NODE_WORDS,
+    PACK_WORDS,
+    PRIMITIVE,
+    TAG_WORDS,
+    TREE_LINK,
+    Accelerator,
+)  # fmt: skip
+from .own_space import FEW_COPIES, groups_of, swept_bounds, widen_moving
 
 __all__ = ["Kind", "build", "build_over"]
 
@@ -73,18 +86,24 @@ _BOUND = Door(
 )
 
 
-def build(tables: SceneTables, accelerator: Kind = "bvh", instants: Instants | None = None) -> Accelerator:
+def build(
+    tables: SceneTables, accelerator: Kind = "bvh", instants: Instants | None = None, few_copies: int = FEW_COPIES
+) -> Accelerator:
     """Build an accelerator for a scene.
 
     Parameters
     ----------
     tables : SceneTables
     accelerator : "bvh" | "linear"
-        Linear tries everything: slow, and the oracle of the tests.
+        Linear tries everything: slow, and the oracle of the tests. What moves has its tree all the same.
     instants : Instants, optional
         Where what moves is while the shutter is open.
+    few_copies : int
+        How many triangles are rather copied for each instance than shared by all.
     """
-    primitives, corners, bounds = _primitives(tables)
+    few_copies = few_copies if accelerator == "bvh" else np.iinfo(np.int64).max
+    groups = groups_of(tables, instants, few_copies)
+    primitives, corners, bounds = _primitives(tables, groups)
     planes = _planes(tables)
     others, boxes = _exact_shapes(tables)
     if len(others):
@@ -94,8 +113,11 @@ def build(tables: SceneTables, accelerator: Kind = "bvh", instants: Instants | N
         corners = np.concatenate([corners, np.zeros((int(bounded.sum()), 9), dtype=np.float32)])
         bounds = np.concatenate([bounds, boxes[bounded]])
     if instants is not None and len(instants.moving):
-        set_moving(primitives, corners, bounds, tables, instants)
-    return build_over(primitives, corners, bounds, planes, accelerator)
+        widen_moving(primitives, bounds, tables, instants)
+    if not groups:
+        return build_over(primitives, corners, bounds, planes, accelerator)
+    trees = [_tree_of_mesh(tables, int(rows[0])) for rows in groups]
+    return _with_trees((primitives, corners, bounds), planes, groups, trees, tables, instants)
 
 
 def build_over(
@@ -121,13 +143,19 @@ def build_over(
     if accelerator not in ("bvh", "linear"):
         raise UnsupportedError(f'accelerator must be "bvh" or "linear", got {accelerator!r}')
     n = len(primitives)
-    order = np.arange(n, dtype=np.int32)
     if accelerator == "linear" or n <= _LEAF_SIZE:
         packs, tags = _room_for_packs((n + 7) // 8)
-        _PACK(primitives, corners, order, packs, tags)
+        _PACK(primitives, corners, np.arange(n, dtype=np.int32), packs, tags)
         return Accelerator(np.zeros(0, dtype=np.int32), packs, tags, primitives, planes)
-    binary = np.zeros(n, dtype=NODE)
-    used = np.zeros(2, dtype=np.int64)
+    return _hierarchy(primitives, corners, bounds, planes, 0)
+
+
+def _hierarchy(
+    primitives: NDArray[np.void], corners: NDArray[np.float32], bounds: NDArray[np.float32], planes: NDArray[np.void], n_trees: int
+) -> Accelerator:
+    """The tree over more primitives than fit into a pack, of which the first `n_trees` are trees."""
+    n = len(primitives)
+    order, binary, used = np.arange(n, dtype=np.int32), np.zeros(n, dtype=NODE), np.array([0, n_trees], dtype=np.int64)
     _BUILD(bounds, order, binary, np.empty((256, 4), dtype=np.int32), np.empty((64, 8), dtype=np.float32), _LEAF_SIZE, used)
     n_binary = int(used[0])
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
@@ -135,11 +163,103 @@ def build_over(
     costs, splits = np.empty((2 * n_binary, 7), dtype=np.float32), np.empty((2 * n_binary, 8), dtype=np.int8)
     counts, firsts = np.empty(2 * n_binary, dtype=np.int32), np.empty(2 * n_binary, dtype=np.int32)
     waiting, slots = np.empty((n_binary, 3), dtype=np.int32), np.empty((4, 16), dtype=np.int32)
+    used[1] = n_trees
     _WIDEN(binary[:n_binary], primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
     n_nodes, n_packs = (int(count) for count in used)
     return Accelerator(
         _kept(nodes, NODE_WORDS * n_nodes), _kept(packs, PACK_WORDS * n_packs), _kept(tags, TAG_WORDS * n_packs), primitives, planes
     )
+
+
+def _single_node(
+    primitives: NDArray[np.void], corners: NDArray[np.float32], bounds: NDArray[np.float32], planes: NDArray[np.void], n_trees: int
+) -> Accelerator:
+    """A root alone, over at most eight primitives, of which the first `n_trees` are trees: a child for each of these, one for the rest."""
+    packs, tags = _room_for_packs(1)
+    rest = np.arange(n_trees, len(primitives), dtype=np.int32)
+    _PACK(primitives, corners, rest, packs, tags)
+    boxes = [*bounds[:n_trees], np.concatenate([bounds[rest, :3].min(axis=0), bounds[rest, 3:].max(axis=0)])] if len(rest) else [*bounds]
+    node = _aligned(NODE_WORDS, np.int32)
+    edges = np.repeat(np.array([np.inf, -np.inf], dtype=np.float32), 24).reshape(6, 8)
+    edges[:, : len(boxes)] = np.transpose(boxes)
+    node[:LINKS], node[LINKS:] = edges.ravel().view(np.int32), 0
+    node[LINKS : LINKS + n_trees] = TREE_LINK - np.arange(n_trees)
+    if len(rest):
+        node[LINKS + n_trees] = -1 if (primitives["triangle"][rest] >= 0).all() else -2
+    low, high = bounds[:, :3].min(axis=0), bounds[:, 3:].max(axis=0)
+    node[CORNERS : CORNERS + 6] = np.concatenate([low, high]).view(np.int32)
+    return Accelerator(node, packs, tags, primitives, planes)
+
+
+def _rooted(
+    primitives: NDArray[np.void], corners: NDArray[np.float32], bounds: NDArray[np.float32], planes: NDArray[np.void], n_trees: int
+) -> Accelerator:
+    """A tree that has a root, however little it is over."""
+    make = _single_node if len(primitives) <= _LEAF_SIZE else _hierarchy
+    return make(primitives, corners, bounds, planes, n_trees)
+
+
+def _tree_of_mesh(tables: SceneTables, row: int) -> Accelerator | None:
+    """The tree of an instance's mesh in its own space, as nobody's; None where all of it is no numbers."""
+    own = tables.instances[row : row + 1].copy()
+    own["world_from_object"], own["flipped"] = np.eye(3, 4, dtype=np.float32), 0
+    places = np.array([0, tables.meshes["n_triangles"][own["mesh"][0]]], dtype=np.int64)
+    primitives, corners, bounds = _gathered(tables, own, places)
+    return _rooted(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), 0) if len(primitives) else None
+
+
+def _with_trees(
+    resting: tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]],
+    planes: NDArray[np.void],
+    groups: list[NDArray[np.int64]],
+    trees: list[Accelerator | None],
+    tables: SceneTables,
+    instants: Instants | None,
+) -> Accelerator:
+    """The tree over what rests in the world and over the trees of meshes, and these behind it."""
+    roots, boxes, sound = [], [], []
+    for rows, tree in zip(groups, trees, strict=True):
+        if tree is not None:
+            root = np.zeros(len(rows), dtype=PRIMITIVE)
+            root["instance"], root["opaque"] = rows, tree.primitives["opaque"].any()
+            root["triangle"] = len(sound)
+            roots.append(root)
+            boxes.append(swept_bounds(tree.nodes[CORNERS : CORNERS + 6].view(np.float32), rows, tables, instants))
+            sound.append(tree)
+    primitives, corners, bounds = resting
+    standing, places = np.concatenate([*roots, primitives[:0]]), np.concatenate([*boxes, bounds[:0]])
+    finite = np.isfinite(places).all(axis=1)
+    standing, places = standing[finite], places[finite]
+    if not len(standing):
+        return build_over(primitives, corners, bounds, planes)
+    n_trees = len(standing)
+    kinds = standing["triangle"].copy()
+    standing["triangle"] = FIRST_TREE
+    world = _rooted(
+        np.concatenate([standing, primitives]), np.concatenate([np.zeros((n_trees, 9), dtype=np.float32), corners]),
+        np.concatenate([places, bounds]), planes, n_trees,
+    )  # fmt: skip
+    joined, firsts = _joined([world, *sound])
+    world.primitives["triangle"][:n_trees] = FIRST_TREE - firsts[1:][kinds]
+    return joined
+
+
+def _joined(trees: list[Accelerator]) -> tuple[Accelerator, NDArray[np.int64]]:
+    """Trees one after the other, their links moved on, with the primitives and planes of the first; and (n,) their roots' nodes."""
+    n_nodes, n_packs = ([len(part) // words for part in parts] for parts, words in (
+        ([tree.nodes for tree in trees], NODE_WORDS), ([tree.tags for tree in trees], TAG_WORDS),
+    ))  # fmt: skip
+    firsts, first_packs = np.cumsum([0, *n_nodes]), np.cumsum([0, *n_packs])
+    nodes, (packs, tags) = _aligned(NODE_WORDS * int(firsts[-1]), np.int32), _room_for_packs(int(first_packs[-1]))
+    for k, tree in enumerate(trees):
+        part = nodes[NODE_WORDS * firsts[k] : NODE_WORDS * firsts[k + 1]]
+        part[:] = tree.nodes
+        links = part.reshape(-1, NODE_WORDS)[:, LINKS : LINKS + 8]
+        links[links >= 0] += firsts[k]
+        links[(links < 0) & (links > TREE_LINK)] -= 2 * first_packs[k]
+        packs[PACK_WORDS * first_packs[k] : PACK_WORDS * first_packs[k + 1]] = tree.packs
+        tags[TAG_WORDS * first_packs[k] : TAG_WORDS * first_packs[k + 1]] = tree.tags
+    return Accelerator(nodes, packs, tags, trees[0].primitives, trees[0].planes), firsts[:-1]
 
 
 def _room_for_packs(n: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
@@ -200,14 +320,31 @@ def _exact_shapes(tables: SceneTables) -> tuple[NDArray[np.void], NDArray[np.flo
     return found[left], boxes[left]
 
 
-def _primitives(tables: SceneTables) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]]:
-    """Triangles and spheres in the world: (n,) PRIMITIVE, (n, 9) vertices, (n, 6) bounds; those that are no numbers are left out."""
+def _primitives(
+    tables: SceneTables, groups: list[NDArray[np.int64]]
+) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]]:
+    """Triangles and spheres in the world, but those of `groups`, as `_gathered` gives them."""
     instances = tables.instances
     counts = np.zeros(len(instances), dtype=np.int64)
     solid = np.isin(instances["kind"], (MESH, BOX)) & (instances["mesh"] >= 0)  # the others may have a tessellation, or none
     counts[solid] = tables.meshes["n_triangles"][instances["mesh"][solid]]
     counts[(instances["kind"] == SPHERE) & _visible(tables)] = 1
-    places = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    for rows in groups:
+        counts[rows] = 0
+    return _gathered(tables, instances, np.concatenate([[0], np.cumsum(counts)]).astype(np.int64))
+
+
+def _gathered(
+    tables: SceneTables, instances: NDArray[np.void], places: NDArray[np.int64]
+) -> tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]]:
+    """(n,) PRIMITIVE, (n, 9) vertices, (n, 6) bounds of instances' triangles and spheres; those that are no numbers are left out.
+
+    Parameters
+    ----------
+    instances : (k,) INSTANCE
+    places : (k + 1,) int64
+        Where the primitives of each begin.
+    """
     n = int(places[-1])
     primitives, corners = np.zeros(n, dtype=PRIMITIVE), np.zeros((n, 9), dtype=np.float32)
     bounds = np.zeros((n, 6), dtype=np.float32)

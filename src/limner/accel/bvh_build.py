@@ -163,8 +163,20 @@ def _set_child(node, side: int, bounds, order, first: int, last: int, bins):
 
 
 @kernel
+def _any_before(n, order, first: int, last: int) -> bool:
+    """Whether any primitive of a range is one of the first n."""
+    if n > 0:
+        for i in range(first, last):
+            if order[i] < n:
+                return True
+    return False
+
+
+@kernel
 def build_tree(bounds, order, nodes, stack, bins, leaf_size, used):
     """Fill `nodes` and bring `order` into the order of the leaves; used[0] is the number of nodes.
+
+    The first used[1] primitives are trees, each a leaf of its own.
 
     `stack` (k, 4) holds what waits: node, first, last, depth. Deep down, where the heuristic would make a list of it, the tree is
     split in the middle, so that no walk needs more than the stack it has.
@@ -182,7 +194,7 @@ def build_tree(bounds, order, nodes, stack, bins, leaf_size, used):
         for side in range(2):
             a, b = (first, middle) if side == 0 else (middle, last)
             _set_child(nodes[n], side, bounds, order, a, b, bins)
-            if b - a <= leaf_size:
+            if b - a == 1 or (b - a <= leaf_size and not _any_before(used[1], order, a, b)):
                 nodes[n]["child"][side], nodes[n]["count"][side] = -1 - a, b - a
             else:
                 nodes[n]["child"][side], nodes[n]["count"][side] = count, 0

@@ -11,8 +11,8 @@ from .._door import Array
 from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
 __all__ = [
-    "ACCELERATOR_ARRAYS", "CORNERS", "ENDS_SHAPE", "FIRST_MOVING", "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE",
-    "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACK_SIZE", "TAG_WORDS", "Accelerator",
+    "ACCELERATOR_ARRAYS", "CORNERS", "ENDS_SHAPE", "FIRST_TREE", "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE",
+    "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACK_SIZE", "TAG_WORDS", "TREE_LINK", "Accelerator",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -29,8 +29,8 @@ NODE = np.dtype(
 PRIMITIVE = np.dtype(
     [
         ("instance", i32),
-        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere or plane; -2: its other exact shape; -3 - k: triangle k,
-        # which moves, and has its corners in its object's space
+        ("triangle", i32),  # of the instance's mesh; -1: the instance's sphere or plane; -2: its other exact shape; -3 - k: its mesh,
+        # of which a tree in its own space begins at node k
         ("facing", i32),  # 0: both sides are seen; 1, -1: only the side from which it winds counter-clockwise, clockwise;
         # of an exact shape, 1: only the outside
         ("opaque", i32),  # 0: masked, blended or transparent
@@ -38,21 +38,27 @@ PRIMITIVE = np.dtype(
     align=True,
 )
 
-FIRST_MOVING = -3
-"""What stands for triangle 0 where it moves; -3 - k for triangle k."""
+FIRST_TREE = -3
+"""What stands in the place of a triangle for the tree that begins at node 0; -3 - k for node k."""
+
+TREE_LINK = -(1 << 30)
+"""The link to the tree of primitive 0; less k to that of primitive k."""
 
 MAX_DEPTH = 64
 """Of the tree of two children each that the builder makes before it is widened."""
 
-STACK_SIZE = 2 * (7 * MAX_DEPTH + 8)
-"""Room for what waits during a walk, two words each: seven children of every node on the way down."""
+STACK_SIZE = 2 * 2 * (7 * MAX_DEPTH + 8)
+"""Room for what waits during a walk, two words each: seven children of every node on the way down, in the world and then in a mesh."""
 
 ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
 """Shape of the float64 scratch in which a walk counts where a ray is inside the leaves of a combination of solids."""
 
 
 class Accelerator(NamedTuple):
-    """A tree over the primitives of a scene, in world space.
+    """A tree over the primitives of a scene, in world space, and trees of meshes in their own.
+
+    What many instances share, and what moves, is one primitive of the world's tree: rays that meet its box are taken to its space, and go
+    through its tree, of which there is one for all. The trees stand one after the other, the world's first.
 
     Eight boxes are met at once, and eight triangles: what a node or a pack has eight of stands side by side, as registers want it.
 
@@ -64,13 +70,13 @@ class Accelerator(NamedTuple):
     nodes : (64 n,) int32
         Of each node, the root first, as bits of float32: eight low x of its children's boxes, eight low y, low z, high x, high y, high z,
         infinity and -infinity for children that there are not; then eight links, >= 0 a node, < 0 a pack: -1 - 2 pack, less 1 where
-        not all of it are triangles at rest; then, of the root alone, the low and the high corner of everything. No nodes: the packs are
-        tried one after the other.
+        not all of it are triangles, or the tree of a primitive: TREE_LINK - its row; then, of a root alone, the low and the high corner
+        of everything. No nodes: the packs are tried one after the other.
     packs : (72 m,) float32
         Of each pack, eight x of the first vertex, eight y, eight z, those of the second and of the third; NaN where there is no triangle.
     tags : (16 m,) int32
-        Of each of its eight: 16 times the instance, and the bits ONLY_FRONT, ONLY_BACK, NOT_OPAQUE, NOT_PLAIN; then eight numbers of
-        triangles, or of what is not plain the row of `primitives`.
+        Of each of its eight: 16 times the instance (0 in a mesh's own tree), and the bits ONLY_FRONT, ONLY_BACK, NOT_OPAQUE,
+        NOT_PLAIN; then eight numbers of triangles, or of what is not plain the row of `primitives`.
     primitives : (k,) PRIMITIVE
     planes : (l,) PRIMITIVE
         What has no bounds, tried by every ray.

@@ -13,13 +13,25 @@ from ..intersect.distance_field import intersect_distance_field
 from ..intersect.layouts import CSG, DISTANCE_FIELD
 from ..intersect.shape import intersect_shape
 from ..intersect.surface_code import surface_code
-from ..intersect.triangle import hit_triangle, turned_ray
+from ..intersect.triangle import TurnedRay, hit_triangle, turned_ray
 from ..kernel.elementary import as_float, as_int
 from ..kernel.lanes import any_of, first_set, lane, load8, lowest, mask_of, prefetch, where
 from ..kernel.transform import transform_point, transform_vector
 from ..kernel.vec import ONE, ZERO, Vec3
 from ..shading.analytic import hit_analytic, meets_outside
-from .layouts import CORNERS, FIRST_MOVING, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, ONLY_BACK, ONLY_FRONT, PACK_WORDS, TAG_WORDS
+from .layouts import (
+    CORNERS,
+    FIRST_TREE,
+    LINKS,
+    NODE_WORDS,
+    NOT_OPAQUE,
+    NOT_PLAIN,
+    ONLY_BACK,
+    ONLY_FRONT,
+    PACK_WORDS,
+    TAG_WORDS,
+    TREE_LINK,
+)  # fmt: skip
 
 __all__ = ["Hit", "exact_tables", "first_hit", "nearest", "occluded"]
 
@@ -27,6 +39,7 @@ f32 = np.float32
 _INFINITY = f32(np.inf)
 _ERROR = f32(2.0**-21)
 _NOWHERE = -(1 << 40)  # no link
+_LEAVE = -(1 << 31)  # where a mesh's tree ends: back to the world
 
 
 class Hit(NamedTuple):
@@ -76,31 +89,13 @@ def _exact_hit(instances, row: int, exact, o: Vec3, d: Vec3, t_min: np.float32, 
     return Hit(h.t, np.int64(row), surface_code(h.part, 0), h.u, h.v) if h.part >= 0 else _miss(t_max)
 
 
-@outlined
-def _moving_hit(instances, p, packs, place: int, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool) -> Hit:
-    """The hit of a triangle that stands in its object's space: the ray is taken there, its parameter stays."""
-    m = instances[p["instance"]]["object_from_world"]
-    ray = turned_ray(transform_point(m, o), transform_vector(m, d))
-    x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
-    a = Vec3(packs[x], packs[y], packs[z])
-    b = Vec3(packs[x + 24], packs[y + 24], packs[z + 24])
-    c = Vec3(packs[x + 48], packs[y + 48], packs[z + 48])
-    h = hit_triangle(ray, a, b, c, t_min, t_max)
-    if h.t < t_max and (both_sides or h.facing > ZERO):
-        return Hit(h.t, np.int64(p["instance"]), FIRST_MOVING - np.int64(p["triangle"]), h.u, h.v)
-    return _miss(t_max)
-
-
 @kernel
-def _other_hit(instances, p, packs, place: int, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool) -> Hit:
-    """The nearer of `best` and a primitive that is no triangle at rest."""
+def _other_hit(instances, p, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool) -> Hit:
+    """The nearer of `best` and a primitive that is no triangle."""
     both = both_sides or p["facing"] == 0
     if exact is not None:  # known to the compiler
         if p["triangle"] < -1:
-            if p["triangle"] <= FIRST_MOVING:
-                hit = _moving_hit(instances, p, packs, place, o, d, t_min, best.t, both)
-            else:
-                hit = _exact_hit(instances, np.int64(p["instance"]), exact, o, d, t_min, best.t, both)
+            hit = _exact_hit(instances, np.int64(p["instance"]), exact, o, d, t_min, best.t, both)
             return hit if hit.t < best.t else best
     t = hit_analytic(instances[p["instance"]], o, d, t_min, best.t)
     if t < best.t and (both or meets_outside(instances[p["instance"]], o, d, t)):
@@ -109,17 +104,17 @@ def _other_hit(instances, p, packs, place: int, exact, o: Vec3, d: Vec3, t_min: 
 
 
 @kernel
-def _unbounded_hit(instances, planes, packs, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides, opaque_only) -> Hit:
+def _unbounded_hit(instances, planes, exact, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides, opaque_only) -> Hit:
     """The nearer of `best` and what has no bounds."""
     for k in range(planes.shape[0]):
         if not (opaque_only and planes[k]["opaque"] == 0):
-            best = _other_hit(instances, planes[k], packs, 0, exact, o, d, t_min, best, both_sides)
+            best = _other_hit(instances, planes[k], exact, o, d, t_min, best, both_sides)
     return best
 
 
 @kernel
-def _pack_hit(instances, packs, tags, pack: int, ray, t_min, best: Hit, both_sides, opaque_only) -> Hit:
-    """The nearer of `best` and the triangles of a pack."""
+def _pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
+    """The nearer of `best` and the triangles of a pack; `owner`: the instance in whose space it stands, 0 in the world's."""
     place = PACK_WORDS * pack
     x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
     a = Vec3(load8(packs, x), load8(packs, y), load8(packs, z))
@@ -138,21 +133,20 @@ def _pack_hit(instances, packs, tags, pack: int, ray, t_min, best: Hit, both_sid
             nearest_t = lowest(where(met, h.t, _INFINITY))
             i = np.int64(first_set(mask_of(met & (h.t == nearest_t))))
             row = TAG_WORDS * pack + i
-            return Hit(nearest_t, np.int64(tags[row]) >> 4, np.int64(tags[row + 8]), lane(h.u, i), lane(h.v, i))
+            return Hit(nearest_t, owner + (np.int64(tags[row]) >> 4), np.int64(tags[row + 8]), lane(h.u, i), lane(h.v, i))
     return best
 
 
 @outlined
 def _hit_of_others(
-    instances, packs, tags, primitives, exact, pack: int, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool,
-    opaque_only: bool,
+    instances, tags, primitives, exact, pack: int, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool, opaque_only: bool,
 ) -> Hit:
-    """The nearer of `best` and what in a pack is no triangle at rest."""
+    """The nearer of `best` and what in a pack is no triangle."""
     for i in range(8):
         if tags[TAG_WORDS * pack + i] & NOT_PLAIN != 0:
             p = primitives[tags[TAG_WORDS * pack + 8 + i]]
             if not (opaque_only and p["opaque"] == 0):
-                best = _other_hit(instances, p, packs, PACK_WORDS * pack + i, exact, o, d, t_min, best, both_sides)
+                best = _other_hit(instances, p, exact, o, d, t_min, best, both_sides)
     return best
 
 
@@ -185,11 +179,48 @@ def _eight(nodes, place: int):
     return as_float(load8(nodes, place))
 
 
+class _Line(NamedTuple):
+    """A ray in the space of a tree, as its boxes and its triangles want it."""
+
+    o: Vec3
+    inverse: Vec3
+    turned: TurnedRay
+    slack: np.float32  # by how much the t of a hit may be off
+    near_x: int  # where, in a node, the planes stand that the ray meets first
+    near_y: int
+    near_z: int
+
+
 @kernel
-def _slack(nodes, ray) -> np.float32:
-    """By how much the t of a hit may be off: it is a mean of its vertices' t, so its error is one of the greatest of them, not its own."""
-    low, high = as_float(nodes[CORNERS + ray.kz]), as_float(nodes[CORNERS + 3 + ray.kz])
-    return max(abs(low - ray.oz), abs(high - ray.oz)) * abs(ray.sz) * _ERROR
+def _line(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
+    """The ray for the tree at `root`.
+
+    The t of a hit is a mean of its vertices' t, so its error is one of the greatest of them, not its own.
+    """
+    ray = turned_ray(o, d)
+    inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
+    place = NODE_WORDS * root + CORNERS + ray.kz
+    low, high = as_float(nodes[place]), as_float(nodes[place + 3])
+    slack = max(abs(low - ray.oz), abs(high - ray.oz)) * abs(ray.sz) * _ERROR
+    near_x, near_y, near_z = 24 if inverse.x < ZERO else 0, 32 if inverse.y < ZERO else 8, 40 if inverse.z < ZERO else 16
+    return _Line(o, inverse, ray, slack, near_x, near_y, near_z)
+
+
+@kernel
+def _line_within(nodes, instance, root: int, o: Vec3, d: Vec3) -> _Line:
+    """The ray in an instance's own space; its parameter stays what it is."""
+    m = instance["object_from_world"]
+    return _line(nodes, root, transform_point(m, o), transform_vector(m, d))
+
+
+@kernel
+def _met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float32):
+    """(where the ray enters each of a node's boxes, which of them it meets, as bits)"""
+    place = NODE_WORDS * node
+    near = Vec3(_eight(nodes, place + line.near_x), _eight(nodes, place + line.near_y), _eight(nodes, place + line.near_z))
+    far = Vec3(_eight(nodes, place + 24 - line.near_x), _eight(nodes, place + 40 - line.near_y), _eight(nodes, place + 56 - line.near_z))
+    enter, leave = meet_box(near, far, line.o, line.inverse, t_min, t_max, line.slack)
+    return enter, mask_of(enter <= leave)
 
 
 @kernel
@@ -197,48 +228,54 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
     """The nearest hit in (t_min, t_max), or any; t_min >= 0.
 
     What waits is on `stack` (int32), two words each: the link, and the bits of where the ray enters its box, the nearest on top; it is
-    dropped when it comes up if something nearer was found meanwhile.
+    dropped when it comes up if something nearer was found meanwhile. In a mesh's own space the walk goes on as in the world, above a link
+    that leads back.
     """
     nodes, packs, tags, primitives, planes, exact = accelerator
-    ray = turned_ray(o, d)
-    inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
-    best = _unbounded_hit(instances, planes, packs, exact, o, d, t_min, _miss(t_max), both_sides, opaque_only)
+    best = _unbounded_hit(instances, planes, exact, o, d, t_min, _miss(t_max), both_sides, opaque_only)
     if any_hit and best.instance != -1:
         return best
     if nodes.shape[0] == 0:
+        ray = turned_ray(o, d)
         for pack in range(tags.shape[0] // TAG_WORDS):
-            best = _pack_hit(instances, packs, tags, pack, ray, t_min, best, both_sides, opaque_only)
-            best = _hit_of_others(instances, packs, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+            best = _pack_hit(packs, tags, pack, ray, 0, t_min, best, both_sides, opaque_only)
+            best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
         return best
-    slack = _slack(nodes, ray)
-    near_x, near_y, near_z = 24 if inverse.x < ZERO else 0, 32 if inverse.y < ZERO else 8, 40 if inverse.z < ZERO else 16
-    current, top = 0, 0
+    in_world = _line(nodes, 0, o, d)
+    line, owner, current, top = in_world, 0, 0, 0
     while True:
-        place = NODE_WORDS * current
-        near = Vec3(_eight(nodes, place + near_x), _eight(nodes, place + near_y), _eight(nodes, place + near_z))
-        far = Vec3(_eight(nodes, place + 24 - near_x), _eight(nodes, place + 40 - near_y), _eight(nodes, place + 56 - near_z))
-        enter, leave = meet_box(near, far, o, inverse, t_min, best.t, slack)
-        entered = mask_of(enter <= leave)
+        enter, entered = _met_boxes(nodes, current, line, t_min, best.t)
         link = _NOWHERE
         if entered != 0:
             i = np.int64(first_set(entered))
             entered = entered & (entered - 1)
-            link = np.int64(nodes[place + LINKS + i])
+            place = NODE_WORDS * current + LINKS
+            link = np.int64(nodes[place + i])
             if entered != 0:
-                link, top = _with_nearest_first(nodes, place + LINKS, enter, entered, link, as_int(lane(enter, i)), stack, top)
+                link, top = _with_nearest_first(nodes, place, enter, entered, link, as_int(lane(enter, i)), stack, top)
         while link < 0:
-            if link != _NOWHERE:
+            if link > TREE_LINK:
                 pack = (-1 - link) >> 1
-                best = _pack_hit(instances, packs, tags, pack, ray, t_min, best, both_sides, opaque_only)
+                best = _pack_hit(packs, tags, pack, line.turned, owner, t_min, best, both_sides, opaque_only)
                 if link & 1 == 0:
-                    best = _hit_of_others(instances, packs, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+                    best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
                 if any_hit and best.instance != -1:
                     return best
+            elif link == _LEAVE:
+                line, owner = in_world, 0
+            elif link != _NOWHERE:
+                p = primitives[TREE_LINK - link]
+                if not (opaque_only and p["opaque"] == 0):
+                    stack[2 * top], stack[2 * top + 1] = _LEAVE, 0
+                    top += 1
+                    link, owner = FIRST_TREE - np.int64(p["triangle"]), np.int64(p["instance"])
+                    line = _line_within(nodes, instances[owner], link, o, d)
+                    break
             while True:
                 if top == 0:
                     return best
                 top -= 1
-                if as_float(stack[2 * top + 1]) <= moved_on(best.t, slack):
+                if as_float(stack[2 * top + 1]) <= moved_on(best.t, line.slack):
                     break
             link = np.int64(stack[2 * top])
         current = link

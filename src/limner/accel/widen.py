@@ -14,7 +14,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import as_int
-from .layouts import CORNERS, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, ONLY_BACK, ONLY_FRONT, PACK_WORDS, TAG_WORDS
+from .layouts import CORNERS, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, ONLY_BACK, ONLY_FRONT, PACK_WORDS, TAG_WORDS, TREE_LINK
 
 __all__ = ["fill_packs", "widen"]
 
@@ -76,14 +76,14 @@ def _least_distribution(costs, left: int, right: int, n: int):
 
 
 @kernel
-def _weigh(binary, box: int, costs, splits, counts, firsts):
-    """Fill the row of a box (2 node + side) in the tables of `widen`; the boxes below have theirs."""
+def _weigh(binary, box: int, order, n_trees: int, costs, splits, counts, firsts):
+    """Fill the row of a box (2 node + side) in the tables of `widen`; the boxes below have theirs. A tree counts as nine: no pack's."""
     node, side = box // 2, box % 2
     parent = binary[node]
     area = _half_area(parent["box"], 6 * side)
     child, count = np.int64(parent["child"][side]), np.int64(parent["count"][side])
     if child < 0:
-        counts[box], firsts[box] = count, -1 - child
+        counts[box], firsts[box] = count if order[-1 - child] >= n_trees else 9, -1 - child
         for i in range(7):
             costs[box, i], splits[box, i] = area * _PACK_COST, 0
         splits[box, 7] = 0
@@ -132,13 +132,16 @@ def _gather_children(binary, splits, node: int, slots) -> int:
 def widen(binary, primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used):
     """Fill nodes, packs and tags from a tree of two children; used[0] and used[1] are how many nodes and packs there are.
 
+    Of the primitives, the first used[1], on entry, are trees.
+
     Scratch, with a row for each box of the tree of two, 2 node + side: `costs` (n, 7) float32, the least cost if it may become 1..7
     children; `splits` (n, 8) int8, how many of these its left part becomes, 0 where one less does as well, the last: of 8, 0 for a pack;
     `counts` and `firsts` (n,) int32, its primitives. `waiting` (n, 2) int32: pairs of a node of two and its node of eight. `slots` (4, 16)
     int32.
     """
+    n_trees = used[1]
     for box in range(2 * binary.shape[0] - 1, -1, -1):
-        _weigh(binary, box, costs, splits, counts, firsts)
+        _weigh(binary, box, order, n_trees, costs, splits, counts, firsts)
     n_nodes, n_packs, top = 1, 0, 1
     waiting[0, 0], waiting[0, 1] = 0, 0
     _, root_split = _least_distribution(costs, 0, 1, 8)
@@ -157,7 +160,9 @@ def widen(binary, primitives, corners, order, nodes, packs, tags, costs, splits,
                 nodes[place + 8 * c + i] = as_int(edge)
             link = 0
             if i < n:
-                if splits[box, 7] == 0:
+                if splits[box, 7] == 0 and counts[box] > 8:
+                    link = TREE_LINK - np.int64(order[firsts[box]])
+                elif splits[box, 7] == 0:
                     link = _fill_pack(packs, tags, n_packs, primitives, corners, order, np.int64(firsts[box]), np.int64(counts[box]))
                     n_packs += 1
                 else:

@@ -23,6 +23,7 @@ from ..tables.lighting import lighting as lighting_of
 from ..tiles import Cancel, OnProgress, PerThread, Tile, run_all, tiles_of
 from . import painter
 from .bsp import BspTree
+from .in_view import instances_in_view
 from .layouts import (
     BACK_SIDE,
     BOTH_SIDES,
@@ -308,10 +309,11 @@ def _geometry(
     Triangles that miss all samples are left out: `samples` is how far these lie to the left and right of their pixel's centre at most.
     """
     memory = memory or Memory()
-    vertices, snapped = _transform(tables, view, memory, threads)
+    in_view = instances_in_view(tables, view, width, height, samples)
+    vertices, snapped = _transform(tables, view, in_view, memory, threads)
     clip_planes = pyramid_planes(view.camera) if clipping == "world" else np.zeros((0, 4))
     grid = _Grid(width, height, tile_size, samples)
-    chunks, screen, counted = _assemble(tables, view, vertices, snapped, clip_planes, culling, grid, memory, threads)
+    chunks, screen, counted = _assemble(tables, view, in_view, vertices, snapped, clip_planes, culling, grid, memory, threads)
     cuts = np.zeros(0, dtype=CUT)
     if hidden_surfaces == "painter":
         whole = np.concatenate([np.zeros(0, dtype=SCREEN_TRIANGLE), *(screen[a:b] for a, b in chunks)])
@@ -325,20 +327,25 @@ def _geometry(
     return vertices, _bin(screen, cuts, chunks, counted, memory, threads)
 
 
-def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
+def _counts(tables: SceneTables, what: str, in_view: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """(n,) int64: how many vertices or triangles of each instance go through the pipeline."""
+    if not len(in_view):
+        return np.zeros(0, dtype=np.int64)
+    return np.where(in_view, tables.meshes[what][tables.instances["mesh"]], 0).astype(np.int64)
+
+
+def _jobs(counts: NDArray[np.int64], places: NDArray[np.int64], *, moves_on: bool) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
     """Ranges of every instance's vertices or triangles, and groups of them that are worth a call.
 
-    Returns (n, 4) rows (instance, first, last, place) and [(first job, last job)].
+    Returns (n, 4) rows (instance, first, last, place) and [(first job, last job)]; `moves_on`: the place goes with the range.
     """
     rows: list[tuple[int, int, int, int]] = []
     groups: list[tuple[int, int]] = []
     first, weight = 0, 0
-    counts = tables.meshes[what][tables.instances["mesh"]] if len(tables.instances) else np.zeros(0, dtype=np.int32)
     for instance, n in enumerate(counts.tolist()):
         for start in range(0, n, _CHUNK):
             end = min(start + _CHUNK, n)
-            offset = start if what == "n_positions" else 0
-            rows.append((instance, start, end, int(places[instance]) + offset))
+            rows.append((instance, start, end, int(places[instance]) + (start if moves_on else 0)))
             weight += end - start
             if weight >= _CHUNK:
                 groups.append((first, len(rows)))
@@ -348,14 +355,16 @@ def _jobs(tables: SceneTables, what: str, places: NDArray[np.int64]) -> tuple[ND
     return np.array(rows, dtype=np.int64).reshape(-1, 4), groups
 
 
-def _transform(tables: SceneTables, view: View, memory: Memory, threads: int) -> tuple[Vertices, NDArray[np.int32]]:
+def _transform(
+    tables: SceneTables, view: View, in_view: NDArray[np.bool_], memory: Memory, threads: int
+) -> tuple[Vertices, NDArray[np.int32]]:
     """The vertices, and their places on the subpixel grid."""
-    counts = tables.meshes["n_positions"][tables.instances["mesh"]].astype(np.int64) if len(tables.instances) else np.zeros(0, np.int64)
+    counts = _counts(tables, "n_positions", in_view)
     first_vertex = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     transformed = memory.array("vertices", (int(first_vertex[-1]), 4), np.float32)
     snapped = memory.array("snapped", 2 * len(transformed), np.int32)
     near = view.camera[0]["near"]
-    jobs, groups = _jobs(tables, "n_positions", first_vertex)
+    jobs, groups = _jobs(counts, first_vertex, moves_on=True)
     run_all(
         lambda group: _TRANSFORM(
             tables.meshes, tables.instances, tables.positions, view.raster_from_object, near, jobs, *group, transformed, snapped
@@ -369,6 +378,7 @@ def _transform(tables: SceneTables, view: View, memory: Memory, threads: int) ->
 def _assemble(
     tables: SceneTables,
     view: View,
+    in_view: NDArray[np.bool_],
     vertices: Vertices,
     snapped: NDArray[np.int32],
     clip_planes: NDArray[np.float64],
@@ -378,7 +388,7 @@ def _assemble(
     threads: int,
 ) -> tuple[list[tuple[int, int]], NDArray[np.void], _Counted]:
     """Screen triangles in chunks with gaps between; clipping can make more of them than there were, and then it runs again."""
-    jobs, groups = _jobs(tables, "n_triangles", vertices.first_vertex)
+    jobs, groups = _jobs(_counts(tables, "n_triangles", in_view), vertices.first_vertex, moves_on=False)
     sizes = np.array([int((jobs[a:b, 2] - jobs[a:b, 1]).sum()) for a, b in groups], dtype=np.int64)
     counts = np.zeros(len(groups), dtype=np.int64)
     capacity = sizes + 64

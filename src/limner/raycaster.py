@@ -4,25 +4,32 @@
     hits = caster.intersect(origins, directions)      # hits.t (inf: a miss), hits.triangle (-1: a miss), hits.u, hits.v
     dark = caster.occluded(points, towards_light, t_max=1.0)
 
+    every = caster.all_hits(origins, directions)      # every.t, every.triangle, and every.ray: whose hit it is
+
 The tree and the tests at its leaves are those of the ray tracer: watertight, both sides of every triangle. Work is split over threads
-with the interpreter's lock released; what a ray hits does not depend on how.
+with the interpreter's lock released; what a ray hits does not depend on how. Nor does it depend on the accelerator: the book's other
+structures (FoCG 12.3) stand beside the tree to be compared with it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .accel import batch
-from .accel.bvh import Kind, build_over
-from .accel.layouts import PRIMITIVE
-from .errors import SceneError
+from .accel import batch, batch_structures
+from .accel.batch_structures import Structure
+from .accel.bvh import build_over
+from .accel.layouts import PRIMITIVE, Accelerator
+from .accel.volume_tree import VolumeTree, build_volume_tree
+from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
 
-__all__ = ["Hits", "RayCaster"]
+__all__ = ["AllHits", "Hits", "Kind", "RayCaster", "Visits"]
+
+Kind: TypeAlias = Literal["bvh", "grid", "bsp", "volume_tree", "linear"]
 
 _FAR = 4.0  # a mesh whose centre lies this many half edges away from the origin is moved there
 _SMALLEST, _LARGEST = 1e-6, 1e6  # half edges that float32 can square and square again
@@ -56,6 +63,54 @@ class Hits:
         return len(self.t)
 
 
+@dataclass(frozen=True, eq=False)
+class AllHits:
+    """All that rays met, an element for each hit, ray by ray, the nearest first.
+
+    Attributes
+    ----------
+    ray : (m,) int64
+        Which ray; rays in a grid are counted row by row.
+    t : (m,) float32
+    triangle : (m,) int32
+    u, v : (m,) float32
+        As of `Hits`.
+    starts : (n + 1,) int64
+        The hits of ray k are ``starts[k]:starts[k + 1]`` of each array.
+    """
+
+    ray: NDArray[np.int64]
+    t: NDArray[np.float32]
+    triangle: NDArray[np.int32]
+    u: NDArray[np.float32]
+    v: NDArray[np.float32]
+    starts: NDArray[np.int64]
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """(n,) int64: how many hits each ray has."""
+        return np.diff(self.starts)
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True, eq=False)
+class Visits:
+    """What was looked at to find the hits of rays, an element for each.
+
+    Attributes
+    ----------
+    nodes : (n,) int32
+        Cells of a grid, nodes of a BSP, boxes of a tree.
+    triangles : (n,) int32
+        Those listed twice and met twice count twice.
+    """
+
+    nodes: NDArray[np.int32]
+    triangles: NDArray[np.int32]
+
+
 class RayCaster:
     """Finds which triangle a ray meets first, and whether it meets any.
 
@@ -66,13 +121,17 @@ class RayCaster:
     triangles : (m, 3) array_like of integers
         Rows of `vertices`. Triangles with a vertex that is not finite are left out, their numbers stay; those without area are
         never hit.
-    accelerator : "bvh" | "linear"
-        How triangles are found: by a tree, or by trying all, which is slow, and the oracle.
+    accelerator : "bvh" | "grid" | "bsp" | "volume_tree" | "linear"
+        How triangles are found: by the ray tracer's tree, the fastest; by a uniform grid, a binary space partition or the plain tree of
+        least volumes; or by trying all, which is slow, and the oracle. The answer is the same: where triangles are met at the very same t,
+        "bvh" may find any of them, the others the first.
 
     Raises
     ------
     SceneError
         The arrays have no such shape, or an index refers to no vertex.
+    UnsupportedError
+        There is no such accelerator.
 
     Examples
     --------
@@ -87,18 +146,13 @@ class RayCaster:
         indices = _rows_of_three(triangles, "triangles", "iu")
         _check_range(indices, len(points))
         self.n_triangles = len(indices)
-        kept, corners = _finite_corners(points, indices)
-        self._frame = _frame(corners)
-        near = ((corners - self._frame[:3]) * self._frame[3]).astype(np.float32)
-        primitives = np.zeros(len(near), dtype=PRIMITIVE)
-        primitives["triangle"], primitives["opaque"] = kept, 1
-        self._accelerator = build_over(
-            primitives,
-            near.reshape(-1, 9),
-            np.concatenate([near.min(axis=1), near.max(axis=1)], axis=1),
-            np.zeros(0, dtype=PRIMITIVE),
-            accelerator,
-        )
+        kept, used = _finite_triangles(points, indices)
+        self._frame = _frame(points[used].astype(np.float64))
+        with np.errstate(invalid="ignore", over="ignore"):
+            self._vertices = ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
+        self._rows, self._triangles = kept, indices[kept].astype(np.int32)
+        self._accelerator = _built(self._corners(), kept, accelerator)
+        self._tree: VolumeTree | None = self._accelerator if isinstance(self._accelerator, VolumeTree) else None
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None) -> Hits:
         """Find the first hit of every ray.
@@ -119,8 +173,11 @@ class RayCaster:
             Arrays of n; where rays come in a grid, (h, w, 3), of (h, w).
         """
         shape, rays = _rays(origins, directions, t_max)
-        found = batch.nearest_hits(self._accelerator, self._frame, *rays, thread_count(threads))
-        t, triangle, u, v = found
+        if isinstance(self._accelerator, Accelerator):
+            t, triangle, u, v = batch.nearest_hits(self._accelerator, self._frame, *rays, thread_count(threads))
+        else:
+            t, row, u, v, _ = batch_structures.cast(self._accelerator, self._frame, *rays, thread_count(threads))
+            triangle = self._triangles_of(row)
         return Hits(t.reshape(shape), triangle.reshape(shape), u.reshape(shape), v.reshape(shape))
 
     def occluded(
@@ -131,10 +188,74 @@ class RayCaster:
         From a point p towards a light at q: ``origins=p, directions=q - p, t_max=1``, p moved a little off its surface.
         """
         shape, rays = _rays(origins, directions, t_max)
-        return batch.any_hits(self._accelerator, self._frame, *rays, thread_count(threads)).reshape(shape)
+        if isinstance(self._accelerator, Accelerator):
+            return batch.any_hits(self._accelerator, self._frame, *rays, thread_count(threads)).reshape(shape)
+        found = batch_structures.cast(self._accelerator, self._frame, *rays, thread_count(threads), any_hit=True)
+        return np.asarray(found.row >= 0).reshape(shape)
+
+    def all_hits(
+        self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None
+    ) -> AllHits:
+        """Find every triangle that a ray meets, not only the first; arguments as of `intersect`.
+
+        A ray through an edge or a vertex meets all triangles there. On the first call a tree of boxes is built, if there is none.
+
+        >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2], [3, 4, 5]])
+        >>> every = caster.all_hits([[0.2, 0.2, 3], [2, 2, 3]], [0, 0, -1])
+        >>> every.t.tolist(), every.triangle.tolist(), every.ray.tolist(), every.counts.tolist()
+        ([2.0, 3.0], [1, 0], [0, 0], [2, 0])
+        """
+        _, rays = _rays(origins, directions, t_max)
+        if self._tree is None:
+            self._tree = build_volume_tree(self._corners())
+        starts, t, row, u, v = batch_structures.every_hit(self._tree, self._frame, *rays, thread_count(threads))
+        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, self._triangles_of(row), u, v, starts)
+
+    def visits(
+        self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None, *, any_hit: bool = False
+    ) -> Visits:
+        """Count what is looked at to find the first hit of every ray, or any; other arguments as of `intersect`.
+
+        Of a grid, a BSP or a tree of least volumes; UnsupportedError of the others.
+        """
+        if isinstance(self._accelerator, Accelerator):
+            raise UnsupportedError('visits are counted with accelerator="grid", "bsp" or "volume_tree"')
+        shape, rays = _rays(origins, directions, t_max)
+        counted = batch_structures.cast(
+            self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit, counting=True
+        ).visits
+        return Visits(counted[:, 0].reshape(shape), counted[:, 1].reshape(shape))
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that the acceleration structure holds, the triangles' corners among them; not those of what `all_hits` builds."""
+        return sum(part.nbytes for part in self._accelerator if isinstance(part, np.ndarray))
+
+    def _corners(self) -> NDArray[np.float32]:
+        """(m, 9) float32: the vertices of the triangles that are kept, moved and scaled."""
+        return self._vertices[self._triangles].reshape(-1, 9)
+
+    def _triangles_of(self, rows: NDArray[np.int32]) -> NDArray[np.int32]:
+        """The given triangles that stand in rows of the corners; -1 stays."""
+        if len(self._rows) == self.n_triangles:
+            return rows
+        return np.where(rows >= 0, self._rows[rows], rows) if len(self._rows) else rows
 
     def __repr__(self) -> str:
         return f"RayCaster({self.n_triangles} triangles)"
+
+
+def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) -> Accelerator | Structure:
+    """An acceleration structure over triangles (n, 9); `kept` are their numbers."""
+    if kind not in get_args(Kind):
+        raise UnsupportedError(f"accelerator must be one of {', '.join(map(repr, get_args(Kind)))}, got {kind!r}")
+    if kind != "bvh" and kind != "linear":
+        return batch_structures.build_structure(corners, kind)
+    primitives = np.zeros(len(corners), dtype=PRIMITIVE)
+    primitives["triangle"], primitives["opaque"] = kept, 1
+    points = corners.reshape(-1, 3, 3)
+    bounds = np.concatenate([points.min(axis=1), points.max(axis=1)], axis=1)
+    return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), kind)
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
@@ -165,19 +286,21 @@ def _check_range(triangles: NDArray[Any], n_vertices: int) -> None:
         raise SceneError(f"triangles must lie in 0..{n_vertices - 1}, got {triangles[row].tolist()} at triangle {row}")
 
 
-def _finite_corners(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """The triangles that are made of numbers, (m,) rows, and their vertices (m, 3, 3)."""
-    corners = points[triangles].astype(np.float64)
-    kept = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-    return kept, corners if len(kept) == len(corners) else corners[kept]
+def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+    """The triangles that are made of numbers, (m,) rows, and which vertices, (n,) bool, they are made of."""
+    finite = np.isfinite(points).all(axis=1)
+    kept = np.flatnonzero(finite[triangles].all(axis=1)).astype(np.int32)
+    used = np.zeros(len(points), dtype=np.bool_)
+    used[triangles[kept]] = True
+    return kept, used
 
 
-def _frame(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _frame(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """(8,) float64: by what the mesh is moved, by what it is scaled (a power of two), then its sphere: centre and radius."""
     frame = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    if not len(corners):
+    if not len(points):
         return frame
-    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    low, high = points.min(axis=0), points.max(axis=0)
     # Halves first: the sum of two great numbers may be infinite.
     centre, half = low / 2.0 + high / 2.0, high / 2.0 - low / 2.0
     reach = float(half.max())

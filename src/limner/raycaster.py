@@ -201,7 +201,7 @@ class RayCaster:
         A ray through an edge or a vertex meets all triangles there. On the first call a tree of boxes is built, if there is none.
 
         >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2], [3, 4, 5]])
-        >>> every = caster.all_hits([[0.2, 0.2, 3], [2, 2, 3]], [0, 0, -1])
+        >>> every = caster.all_hits([[0.25, 0.25, 3], [2, 2, 3]], [0, 0, -1])
         >>> every.t.tolist(), every.triangle.tolist(), every.ray.tolist(), every.counts.tolist()
         ([2.0, 3.0], [1, 0], [0, 0], [2, 0])
         """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from limner import _jit
 from limner.errors import SceneError, UnsupportedError
-from limner.raycaster import Hits, RayCaster
+from limner.raycaster import Hits, Kind, RayCaster
 
 MANY = 2000 if _jit.MODE == "compiled" else 200  # kernels as Python take a millisecond a ray
 
+KINDS = get_args(Kind)
 TRIANGLE = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
@@ -92,7 +93,7 @@ def icosphere(subdivisions: int) -> tuple[NDArray[np.float64], NDArray[np.int64]
     return v, triangles
 
 
-@pytest.mark.parametrize("accelerator", ["bvh", "linear"])
+@pytest.mark.parametrize("accelerator", KINDS)
 def test_random_triangles_and_rays(accelerator: Any) -> None:
     """Every hit is right, and none is missed, by either way of looking."""
     vertices, triangles = soup(200 if _jit.MODE == "compiled" else 30)
@@ -130,7 +131,7 @@ def test_far_rays_lose_no_digits() -> None:
     np.testing.assert_allclose(far.t[both], near.t[both] + 1e6, atol=0.2)
 
 
-@pytest.mark.parametrize("accelerator", ["bvh", "linear"])
+@pytest.mark.parametrize("accelerator", KINDS)
 def test_nothing_escapes_from_a_closed_mesh(accelerator: Any) -> None:
     """From inside a sphere of triangles, rays at the very vertices, edges and centres all meet it."""
     vertices, triangles = icosphere(3 if _jit.MODE == "compiled" else 0)
@@ -201,7 +202,7 @@ def test_rays_that_are_none(bad: float) -> None:
     assert not found[~np.isfinite(origins).all(axis=1)].any()
 
 
-@pytest.mark.parametrize("accelerator", ["bvh", "linear"])
+@pytest.mark.parametrize("accelerator", KINDS)
 @pytest.mark.parametrize(("vertices", "triangles"), [([], []), (np.zeros((0, 3)), np.zeros((0, 3), int)), (TRIANGLE, [])])
 def test_empty_meshes(vertices: Any, triangles: Any, accelerator: Any) -> None:
     """No triangles, no hits; no rays, empty arrays."""
@@ -216,7 +217,7 @@ def test_degenerate_and_broken_triangles() -> None:
     """Triangles without area are never hit, those with NaN are left out, and the numbers of the others stay."""
     points = np.array([*TRIANGLE, [np.nan, 0, 0], [np.inf, 0, 0], [0.5, 0.5, 0.0]])
     triangles = [[0, 1, 3], [0, 0, 1], [0, 0, 0], [1, 2, 5], [4, 1, 2], [0, 1, 2], [3, 3, 3]]
-    for accelerator in ("bvh", "linear"):
+    for accelerator in KINDS:
         caster = RayCaster(points, triangles * 5, accelerator=accelerator)
         assert caster.n_triangles == 35
         hits = caster.intersect([[0.2, 0.2, 1], [0.5, 0.5, 1], [0, 0, 1], [0.5, 0, 1], [2, 2, 1]], (0, 0, -1))
@@ -225,10 +226,52 @@ def test_degenerate_and_broken_triangles() -> None:
     assert not RayCaster(points, [[0, 1, 3]]).intersect((0, 0, 1), (0, 0, -1)).hit.any()
 
 
+def test_all_hits_along_rays() -> None:
+    """Those that an oracle in float64 is sure of, in order; the first is the nearest; nothing is told twice."""
+    vertices, triangles = soup(200 if _jit.MODE == "compiled" else 30)
+    origins, directions = random_rays(min(MANY, 400))
+    caster = RayCaster(vertices, triangles)
+    every = caster.all_hits(origins, directions)
+    t, _, _, margin = brute_force(vertices[triangles], origins, directions)
+    found = np.zeros(t.shape, dtype=bool)
+    found[every.ray, every.triangle] = True
+    assert found.sum() == len(every) == every.starts[-1] == every.counts.sum()
+    assert found[(margin > 1e-4) & (t > 1e-4)].all()
+    assert (margin[found] > -1e-4).all()
+    np.testing.assert_allclose(every.t, t[every.ray, every.triangle], rtol=1e-4, atol=1e-3)
+    same_ray = every.ray[1:] == every.ray[:-1]
+    assert (np.diff(every.t)[same_ray] >= 0).all()
+    assert (np.diff(every.ray) >= 0).all()
+    nearest = caster.intersect(origins, directions)
+    np.testing.assert_array_equal(every.counts > 0, nearest.hit)
+    first = every.starts[:-1][nearest.hit]
+    for name in ("t", "triangle", "u", "v"):
+        np.testing.assert_array_equal(getattr(every, name)[first], getattr(nearest, name)[nearest.hit])
+    part = caster.all_hits(origins, directions, t_max=1.0, threads=3)
+    np.testing.assert_array_equal(part.t, every.t[every.t < 1.0])
+
+
+def test_all_hits_of_little() -> None:
+    """No triangles, no rays, rays that are none; a pile of equal triangles in the order of their numbers; the numbers of those left out."""
+    caster = RayCaster(TRIANGLE, [[0, 1, 2]] * 5)
+    assert len(RayCaster([], []).all_hits(np.zeros((5, 3)), (0, 0, 1))) == 0
+    assert caster.all_hits([], []).starts.tolist() == [0]
+    assert caster.all_hits(np.full((2, 2, 3), np.nan), (0, 0, 0)).counts.tolist() == [0] * 4
+    every = caster.all_hits([[0.2, 0.2, 1], [2, 2, 1], [0.3, 0.3, -2]], [[0, 0, -1], [0, 0, -1], [0, 0, 2]])
+    assert every.triangle.tolist() == [0, 1, 2, 3, 4] * 2
+    assert every.counts.tolist() == [5, 0, 5]
+    assert every.t.tolist() == [1.0] * 10
+    points = np.array([*TRIANGLE, [np.nan, 0, 0]])
+    assert RayCaster(points, [[0, 1, 3], [0, 1, 2]]).all_hits((0.2, 0.2, 1), (0, 0, -1)).triangle.tolist() == [1]
+
+
 def test_many_equal_triangles() -> None:
     """A pile of the same triangle, which no plane divides, is built and walked all the same."""
     caster = RayCaster(TRIANGLE, [[0, 1, 2]] * (3000 if _jit.MODE == "compiled" else 100))
     assert caster.intersect([[0.2, 0.2, 1], [2, 2, 1]], (0, 0, -1)).hit.tolist() == [True, False]
+    for accelerator in ("grid", "bsp", "volume_tree"):
+        caster = RayCaster(TRIANGLE, [[0, 1, 2]] * 100, accelerator=accelerator)  # type: ignore[arg-type]
+        assert caster.intersect([[0.2, 0.2, 1], [2, 2, 1]], (0, 0, -1)).triangle.tolist() == [0, -1]
 
 
 @pytest.mark.compiled

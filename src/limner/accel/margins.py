@@ -31,7 +31,7 @@ def boxes_of(corners: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def whole_of(boxes: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(2, 3) float64: the low and the high corner of all boxes; of none, a box that no ray meets."""
+    """(2, 3) float64: the low and the high corner of all boxes; of none, some room with nothing in it."""
     if not len(boxes):
-        return np.array([[np.inf] * 3, [-np.inf] * 3])
+        return np.array([[-1.0] * 3, [1.0] * 3])
     return np.stack([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)]).astype(np.float64)

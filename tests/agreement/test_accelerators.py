@@ -12,6 +12,7 @@ from limner.errors import UnsupportedError
 from limner.linear import transform
 from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.raycaster import Kind, RayCaster
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.material import Lambert, MetallicRoughness
 from limner.scene.scene import Scene
@@ -229,3 +230,109 @@ def test_an_empty_scene_is_hit_by_nothing():
 def test_unknown_accelerators_are_refused():
     with pytest.raises(UnsupportedError, match=r'must be "bvh" or "linear", got "?\'?octree'):
         bvh.build(build(Scene(), PerspectiveCamera(), 4, 4), "octree")
+
+
+# --- the ray caster's structures, over triangles ---------------------------------------------------------------------------
+
+
+def _soup(random: np.random.Generator, n: int, size: float, spread: float = 1.0) -> np.ndarray:
+    return random.normal(size=(n, 1, 3)) * spread + random.normal(size=(n, 3, 3)) * size
+
+
+def _one_upon_the_other(random: np.random.Generator) -> np.ndarray:
+    """Points, lines, a pile of equal ones, all in one plane."""
+    line = np.outer(np.linspace(-1, 1, 60), (1.0, 1.0, 0.5)).reshape(-1, 3, 3)
+    flat = _soup(random, 60, 0.4) * (1, 0, 1)
+    return np.concatenate([np.zeros((10, 3, 3)), np.tile(_soup(random, 1, 1.0), (40, 1, 1)), line, flat])
+
+
+def _in_a_stadium(random: np.random.Generator) -> np.ndarray:
+    """A heap of little ones in the middle of a few that are a thousand times as large."""
+    return np.concatenate([_soup(random, 400, 0.02, 0.1), _soup(random, 30, 60.0, 90.0)])
+
+
+def _in_a_series(random: np.random.Generator) -> np.ndarray:
+    x = 2.0 ** np.arange(-30, 30)
+    corners = np.array([[0, 0, 0], [0.4, 0, 0.1], [0, 0.4, 0.1]]) * x[:, None, None]
+    corners[..., 0] += x[:, None]
+    return corners
+
+
+def _walls(random: np.random.Generator) -> np.ndarray:
+    """Every side of a block of boxes: what lies in the planes that cut space."""
+    boxes = [primitives.box((1, 1, 1)) for _ in range(27)]
+    at = np.stack(np.meshgrid(*[np.arange(-1.0, 2.0)] * 3), axis=-1).reshape(-1, 3)
+    return np.concatenate([box.positions[box.triangles] + place for box, place in zip(boxes, at, strict=True)])
+
+
+def _needles(random: np.random.Generator) -> np.ndarray:
+    """Long and thin, aslant through everything."""
+    a = random.normal(size=(300, 1, 3)) * 2
+    return np.concatenate([a, -a + random.normal(size=a.shape), a + 1e-3 * random.normal(size=a.shape)], axis=1)
+
+
+HEAPS = {
+    f.__name__.strip("_"): f for f in (_one_upon_the_other, _in_a_stadium, _in_a_series, _walls, _needles)
+}  # fmt: skip
+STRUCTURES: tuple[Kind, ...] = ("bvh", "grid", "bsp", "volume_tree")
+
+
+def _rays_at(corners: np.ndarray, random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """From anywhere towards points, edges and vertices of the triangles; along axes, within the planes of their vertices; anywhere."""
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    weights = random.dirichlet((0.4, 0.4, 0.4), size=n)
+    weights[::4] = np.eye(3)[random.integers(3, size=len(weights[::4]))]
+    targets = np.einsum("nk,nkc->nc", weights, corners[random.integers(len(corners), size=n)])
+    origins = random.uniform(2 * low - high, 2 * high - low, (n, 3))
+    directions = targets - origins
+    axes = np.eye(3)[random.integers(3, size=len(directions[1::3]))] * random.choice([-1.0, 1.0], size=(len(directions[1::3]), 1))
+    origins[1::3] = targets[1::3] - 3 * axes * np.linalg.norm(high - low)
+    directions[1::3] = axes
+    directions[2::9] *= (1, 0, 1)
+    directions[5::9] *= (0, 1, -1)
+    return origins, directions
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("name", HEAPS)
+def test_all_structures_find_what_the_list_finds(name, scale):
+    """BVH = grid = BSP = volume tree = list, t to the last bit; all but the BVH also which of several triangles at one t."""
+    random = np.random.default_rng(11)
+    corners = HEAPS[name](random) * scale
+    points, triangles = corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
+    origins, directions = _rays_at(corners, random, N_RAYS)
+    every = RayCaster(points, triangles, accelerator="linear")
+    expected = every.intersect(origins, directions)
+    # Ends of rays a little before, at, and a little behind the hit.
+    ends = np.where(expected.hit, expected.t * random.choice([0.999999, 1.0, 1.000001], size=N_RAYS), 1.0)
+    shorter = every.intersect(origins, directions, t_max=ends).t
+    assert expected.hit.mean() > 0.2
+    for kind in STRUCTURES:
+        caster = RayCaster(points, triangles, accelerator=kind)
+        hits = caster.intersect(origins, directions)
+        np.testing.assert_array_equal(hits.t, expected.t, err_msg=kind)
+        np.testing.assert_array_equal(caster.occluded(origins, directions), expected.hit, err_msg=kind)
+        if kind != "bvh":
+            np.testing.assert_array_equal(hits.triangle, expected.triangle, err_msg=kind)
+            np.testing.assert_array_equal(hits.u, expected.u, err_msg=kind)
+        np.testing.assert_array_equal(caster.intersect(origins, directions, t_max=ends).t, shorter, err_msg=kind)
+    first = RayCaster(points, triangles).all_hits(origins, directions)
+    np.testing.assert_array_equal(first.t[first.starts[:-1][expected.hit]], expected.t[expected.hit])
+
+
+@pytest.mark.parametrize("kind", STRUCTURES)
+def test_no_ray_escapes_from_any_structure(kind):
+    """From inside a ball of triangles, at vertices, edges and faces, near and far, along axes too: everything is met, at every scale."""
+    mesh = primitives.sphere(1.0, 20)
+    p = mesh.positions[mesh.triangles].astype(np.float64)
+    middles = (p + np.roll(p, 1, axis=1)) / 2
+    targets = np.concatenate([p.reshape(-1, 3), middles.reshape(-1, 3), p.mean(axis=1), np.eye(3), -np.eye(3)])
+    for scale, shift in ((1.0, 0.0), (1e-6, 0.0), (1e6, 3.0), (1.0, 1e4)):
+        caster = RayCaster((mesh.positions.astype(np.float64) + shift) * scale, mesh.triangles, accelerator=kind)
+        for origin in ((0.0, 0.0, 0.0), (0.3, -0.2, 0.1), (0.0, 0.5, 0.0), (0.9, 0.0, 0.1)):
+            origins = (np.array(origin) + shift) * scale
+            directions = (targets - origin) * scale
+            hits = caster.intersect(origins, directions)
+            assert hits.hit.all()
+            assert caster.occluded(origins, directions).all()
+            assert (np.abs(hits.t - 1.0) < 0.05).all()

@@ -138,7 +138,7 @@ def test_a_ray_through_an_empty_row_of_cells_visits_each_once() -> None:
     n = 12
     y, z = (part.ravel() for part in np.meshgrid(np.arange(n), np.arange(n)))
     base = np.stack([np.zeros(n * n), y, z], axis=1)
-    corners = np.concatenate([base, base + (0, 0.4, 0), base + (0, 0, 0.4)], axis=1)
+    corners = np.concatenate([base, base + np.array([0, 0.4, 0]), base + np.array([0, 0, 0.4])], axis=1)
     ends = np.array([[-5.0, 0, 0, -5.0, 0.1, 0, -5.0, 0, 0.1], [5.0, 0, 0, 5.0, 0.1, 0, 5.0, 0, 0.1]])
     both = np.concatenate([corners, ends]).astype(np.float32)
     caster = caster_of(both, "grid")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from limner import _jit
 from limner.errors import SceneError, UnsupportedError
+from limner.mesh.revolution import torus
 from limner.raycaster import Hits, Kind, RayCaster
 
 MANY = 2000 if _jit.MODE == "compiled" else 200  # kernels as Python take a millisecond a ray
@@ -363,3 +364,20 @@ def test_calls_that_are_none() -> None:
         caster.intersect((0, 0, 0), (0, 0, 1), threads=0)
     with pytest.raises(UnsupportedError, match="accelerator must be"):
         RayCaster(TRIANGLE, [[0, 1, 2]], accelerator="octree")  # type: ignore[arg-type]
+
+
+def test_rays_that_go_together_hit_what_they_hit_alone():
+    """Eight neighbours of a picture are traced as one bundle, the same rays in another order singly: not a bit differs."""
+    mesh, random = torus(1.0, 0.4, 24, 16), np.random.default_rng(11)
+    caster = RayCaster(mesh.positions, mesh.triangles)
+    x, y = (part.ravel() for part in np.meshgrid(np.linspace(-0.6, 0.6, 64), np.linspace(-0.6, 0.6, 64)))
+    order = random.permutation(len(x))
+    for turn in (np.eye(3), np.linalg.qr(random.normal(size=(3, 3)))[0]):
+        for distance in (0.2, 2.5):
+            directions = np.stack([x, y, -np.ones_like(x)], axis=1) @ turn.T
+            origins = np.tile(turn @ (0.05, 0.1, distance), (len(x), 1))
+            together, alone = caster.intersect(origins, directions), caster.intersect(origins[order], directions[order])
+            for field in ("t", "triangle", "u", "v"):
+                np.testing.assert_array_equal(getattr(together, field)[order], getattr(alone, field))
+            np.testing.assert_array_equal(caster.occluded(origins, directions), together.triangle >= 0)
+            assert 0.1 < (together.triangle >= 0).mean() < 0.999

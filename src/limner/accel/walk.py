@@ -33,7 +33,7 @@ from .layouts import (
     TREE_LINK,
 )  # fmt: skip
 
-__all__ = ["Hit", "exact_tables", "first_hit", "nearest", "occluded"]
+__all__ = ["Hit", "edges_of", "exact_tables", "first_hit", "nearest", "occluded", "pack_hit", "slack_of"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -113,7 +113,7 @@ def _unbounded_hit(instances, planes, exact, o: Vec3, d: Vec3, t_min: np.float32
 
 
 @kernel
-def _pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
+def pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
     """The nearer of `best` and the triangles of a pack; `owner`: the instance in whose space it stands, 0 in the world's."""
     place = PACK_WORDS * pack
     x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
@@ -174,8 +174,8 @@ def _with_nearest_first(nodes, place: int, enter, entered, link: int, bits, stac
 
 
 @kernel
-def _eight(nodes, place: int):
-    """Eight numbers of a node."""
+def edges_of(nodes, place: int):
+    """One edge of the eight boxes of a node."""
     return as_float(load8(nodes, place))
 
 
@@ -192,18 +192,20 @@ class _Line(NamedTuple):
 
 
 @kernel
-def _line(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
-    """The ray for the tree at `root`.
-
-    The t of a hit is a mean of its vertices' t, so its error is one of the greatest of them, not its own.
-    """
-    ray = turned_ray(o, d)
-    inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
+def slack_of(nodes, root: int, ray: TurnedRay) -> np.float32:
+    """By how much the t of a hit may be off: it is a mean of its vertices' t, so its error is one of the greatest of them, not its own."""
     place = NODE_WORDS * root + CORNERS + ray.kz
     low, high = as_float(nodes[place]), as_float(nodes[place + 3])
-    slack = max(abs(low - ray.oz), abs(high - ray.oz)) * abs(ray.sz) * _ERROR
+    return max(abs(low - ray.oz), abs(high - ray.oz)) * abs(ray.sz) * _ERROR
+
+
+@kernel
+def _line(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
+    """The ray for the tree at `root`."""
+    ray = turned_ray(o, d)
+    inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
     near_x, near_y, near_z = 24 if inverse.x < ZERO else 0, 32 if inverse.y < ZERO else 8, 40 if inverse.z < ZERO else 16
-    return _Line(o, inverse, ray, slack, near_x, near_y, near_z)
+    return _Line(o, inverse, ray, slack_of(nodes, root, ray), near_x, near_y, near_z)
 
 
 @kernel
@@ -217,8 +219,9 @@ def _line_within(nodes, instance, root: int, o: Vec3, d: Vec3) -> _Line:
 def _met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float32):
     """(where the ray enters each of a node's boxes, which of them it meets, as bits)"""
     place = NODE_WORDS * node
-    near = Vec3(_eight(nodes, place + line.near_x), _eight(nodes, place + line.near_y), _eight(nodes, place + line.near_z))
-    far = Vec3(_eight(nodes, place + 24 - line.near_x), _eight(nodes, place + 40 - line.near_y), _eight(nodes, place + 56 - line.near_z))
+    x, y, z = line.near_x, line.near_y, line.near_z
+    near = Vec3(edges_of(nodes, place + x), edges_of(nodes, place + y), edges_of(nodes, place + z))
+    far = Vec3(edges_of(nodes, place + 24 - x), edges_of(nodes, place + 40 - y), edges_of(nodes, place + 56 - z))
     enter, leave = meet_box(near, far, line.o, line.inverse, t_min, t_max, line.slack)
     return enter, mask_of(enter <= leave)
 
@@ -238,7 +241,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
     if nodes.shape[0] == 0:
         ray = turned_ray(o, d)
         for pack in range(tags.shape[0] // TAG_WORDS):
-            best = _pack_hit(packs, tags, pack, ray, 0, t_min, best, both_sides, opaque_only)
+            best = pack_hit(packs, tags, pack, ray, 0, t_min, best, both_sides, opaque_only)
             best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
         return best
     in_world = _line(nodes, 0, o, d)
@@ -256,7 +259,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
         while link < 0:
             if link > TREE_LINK:
                 pack = (-1 - link) >> 1
-                best = _pack_hit(packs, tags, pack, line.turned, owner, t_min, best, both_sides, opaque_only)
+                best = pack_hit(packs, tags, pack, line.turned, owner, t_min, best, both_sides, opaque_only)
                 if link & 1 == 0:
                     best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
                 if any_hit and best.instance != -1:

@@ -381,3 +381,34 @@ def test_rays_that_go_together_hit_what_they_hit_alone():
                 np.testing.assert_array_equal(getattr(together, field)[order], getattr(alone, field))
             np.testing.assert_array_equal(caster.occluded(origins, directions), together.triangle >= 0)
             assert 0.1 < (together.triangle >= 0).mean() < 0.999
+
+
+@pytest.mark.parametrize("accelerator", ["bvh", "linear"])
+def test_another_pose_is_hit_as_a_new_caster_is(accelerator):
+    """Bent, moved far away and made large: t, triangles and weights as if built anew, for rays through the whole."""
+    mesh, random = torus(1.0, 0.4, 24, 16), np.random.default_rng(12)
+    caster = RayCaster(mesh.positions, mesh.triangles, accelerator=accelerator)
+    p = mesh.positions.astype(np.float64)
+    bent = np.stack([p[:, 0] + np.sin(2 * p[:, 1]), p[:, 1], p[:, 2] * (1.5 + p[:, 0])], axis=1)
+    for pose in (bent, 1e4 * bent + 1e7, p):
+        caster.refit(pose)
+        fresh = RayCaster(pose, mesh.triangles)
+        centre, size = pose.mean(axis=0), np.ptp(pose, axis=0).max()
+        origins, targets = (centre + size * scale * random.normal(size=(2000, 3)) for scale in (2.0, 0.2))
+        moved, expected = caster.intersect(origins, targets - origins), fresh.intersect(origins, targets - origins)
+        np.testing.assert_array_equal(moved.triangle, expected.triangle)
+        np.testing.assert_allclose(moved.t, expected.t, rtol=1e-6)
+        assert 0.1 < expected.hit.mean() < 0.95
+    assert len(caster.all_hits(origins, targets - origins)) == len(fresh.all_hits(origins, targets - origins))
+
+
+def test_poses_that_do_not_fit_are_refused():
+    """Another number of vertices, a corner that is no number, a structure that cannot change."""
+    vertices, triangles = np.eye(3), [[0, 1, 2]]
+    caster = RayCaster(vertices, triangles)
+    with pytest.raises(SceneError, match=r"vertices must have shape \(3, 3\), as before, got \(4, 3\)"):
+        caster.refit(np.zeros((4, 3)))
+    with pytest.raises(SceneError, match=r"vertices must be finite, .* at triangle 0"):
+        caster.refit(vertices * np.nan)
+    with pytest.raises(UnsupportedError, match="make a new one"):
+        RayCaster(vertices, triangles, accelerator="grid").refit(vertices)

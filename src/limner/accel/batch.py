@@ -16,7 +16,7 @@ from ..tables import layouts
 from ..tiles import run_all
 from .layouts import ACCELERATOR_ARRAYS, BUNDLE_INTEGERS, BUNDLE_NUMBERS, STACK_SIZE, Accelerator
 
-__all__ = ["any_hits", "nearest_hits"]
+__all__ = ["any_hits", "nearest_hits", "refit"]
 
 CHUNK = 8192  # rays of one piece of work: some milliseconds
 
@@ -37,6 +37,13 @@ _OCCLUDED = Door(
     "occluded_batch",
     (*ACCELERATOR_ARRAYS, *_RAYS, Array(np.uint8, 1), Scalar(np.int64), *_SCRATCH),
     "the ray caster's shadows",
+)
+
+_REFIT = Door(
+    "limner.accel.refit_kernel",
+    "refit",
+    (Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.int32, 1), Array(np.float32, 2)),
+    "another pose for the ray caster",
 )
 
 
@@ -102,6 +109,13 @@ def _run(
 
     door.open()
     run_all(trace, range(0, len(rays[0]), CHUNK), threads)
+
+
+def refit(accelerator: Accelerator, numbers: NDArray[np.int32], n_triangles: int, corners: NDArray[np.float32]) -> None:
+    """Give the triangles of an accelerator other corners, (n, 9), in place; `numbers` (n,): as which of `n_triangles` they are known."""
+    rows = np.zeros(n_triangles, dtype=np.int32)
+    rows[numbers] = np.arange(len(numbers), dtype=np.int32)
+    _REFIT(accelerator.nodes, accelerator.packs, accelerator.tags, rows, corners)
 
 
 def _scratch() -> tuple[NDArray[Any], ...]:

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .accel import batch, batch_structures
 from .accel.batch_structures import Structure
-from .accel.bvh import build_over
-from .accel.layouts import PRIMITIVE, Accelerator
+from .accel.bvh import build_over_triangles
+from .accel.layouts import Accelerator
 from .accel.volume_tree import VolumeTree, build_volume_tree
 from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
@@ -271,7 +271,7 @@ class RayCaster:
 
     def _corners(self) -> NDArray[np.float32]:
         """(m, 9) float32: the vertices of the triangles that are kept, moved and scaled."""
-        return self._vertices[self._triangles].reshape(-1, 9)
+        return np.take(self._vertices, self._triangles.reshape(-1), axis=0).reshape(-1, 9)
 
     def _triangles_of(self, rows: NDArray[np.int32]) -> NDArray[np.int32]:
         """The given triangles that stand in rows of the corners; -1 stays."""
@@ -289,11 +289,7 @@ def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) ->
         raise UnsupportedError(f"accelerator must be one of {', '.join(map(repr, get_args(Kind)))}, got {kind!r}")
     if kind != "bvh" and kind != "linear":
         return batch_structures.build_structure(corners, kind)
-    primitives = np.zeros(len(corners), dtype=PRIMITIVE)
-    primitives["triangle"], primitives["opaque"] = kept, 1
-    points = corners.reshape(-1, 3, 3)
-    bounds = np.concatenate([points.min(axis=1), points.max(axis=1)], axis=1)
-    return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), kind)
+    return build_over_triangles(corners, kept, kind)
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]

@@ -34,7 +34,7 @@ from .layouts import (
 )  # fmt: skip
 from .own_space import FEW_COPIES, groups_of, swept_bounds, widen_moving
 
-__all__ = ["Kind", "build", "build_over"]
+__all__ = ["Kind", "build", "build_over", "build_over_triangles"]
 
 Kind = Literal["bvh", "linear"]
 
@@ -56,8 +56,15 @@ _GATHER = Door(
 _BUILD = Door(
     "limner.accel.bvh_build",
     "build_tree",
-    (Array(np.float32, 2), Array(np.int32, 1), Array(NODE, 1), Array(np.int32, 2), Array(np.float32, 2), _I64, Array(np.int64, 1)),
+    (
+        Array(np.float32, 1), Array(np.int32, 1), Array(NODE, 1), Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 1),
+        Array(np.int32, 1), Array(np.float32, 1), _I64, Array(np.int64, 1),
+    ),
     "the bounding volume hierarchy",
+)
+
+_BOUND_TRIANGLES = Door(
+    "limner.accel.bvh_build", "bound_triangles", (Array(np.float32, 2), Array(np.float32, 2)), "the bounds of triangles"
 )
 
 _WIDEN = Door(
@@ -120,6 +127,14 @@ def build(
     return _with_trees((primitives, corners, bounds), planes, groups, trees, tables, instants)
 
 
+def build_over_triangles(corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh") -> Accelerator:
+    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides."""
+    primitives, bounds = np.zeros(len(corners), dtype=PRIMITIVE), np.empty((len(corners), 6), dtype=np.float32)
+    primitives["triangle"], primitives["opaque"] = numbers, 1
+    _BOUND_TRIANGLES(corners, bounds)
+    return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), accelerator)
+
+
 def build_over(
     primitives: NDArray[np.void],
     corners: NDArray[np.float32],
@@ -156,7 +171,12 @@ def _hierarchy(
     """The tree over more primitives than fit into a pack, of which the first `n_trees` are trees."""
     n = len(primitives)
     order, binary, used = np.arange(n, dtype=np.int32), np.zeros(n, dtype=NODE), np.array([0, n_trees], dtype=np.int64)
-    _BUILD(bounds, order, binary, np.empty((256, 4), dtype=np.int32), np.empty((64, 8), dtype=np.float32), _LEAF_SIZE, used)
+    boxes = np.zeros((n, 16), dtype=np.float32)
+    np.negative(bounds[:, :3], out=boxes[:, :3])
+    boxes[:, 4:7] = bounds[:, 3:]
+    np.add(bounds[:, :3], bounds[:, 3:], out=boxes[:, 12:15])
+    np.negative(boxes[:, 12:15], out=boxes[:, 8:11])
+    _BUILD(boxes.reshape(-1), order, binary, *_build_scratch(), _LEAF_SIZE, used)
     n_binary = int(used[0])
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
     packs, tags = _room_for_packs(n_binary + 1)
@@ -169,6 +189,12 @@ def _hierarchy(
     return Accelerator(
         _kept(nodes, NODE_WORDS * n_nodes), _kept(packs, PACK_WORDS * n_packs), _kept(tags, TAG_WORDS * n_packs), primitives, planes
     )
+
+
+def _build_scratch() -> tuple[NDArray[Any], ...]:
+    """What waits, where its centres lie, bins and what is counted of them: see `bvh_build.build_tree`."""
+    stack, ranges = np.empty((256, 4), dtype=np.int32), np.empty(8 * 257, dtype=np.float32)
+    return stack, ranges, np.empty(416, dtype=np.float32), np.empty(48, dtype=np.int32), np.empty(16, dtype=np.float32)
 
 
 def _single_node(

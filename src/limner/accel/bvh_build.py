@@ -6,17 +6,18 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
+from ..kernel.lanes import load8, max, min, splat8, store8
 from ..kernel.transform import transform_point
 from ..kernel.vec import ZERO, Vec3
 from ..tables.layouts import OPAQUE, SPHERE
 from .layouts import MAX_DEPTH
 
-__all__ = ["build_tree", "gather_primitives"]
+__all__ = ["bound_triangles", "build_tree", "gather_primitives"]
 
 f32, i32 = np.float32, np.int32
 _BINS = 16
 _INFINITY = f32(np.inf)
-_ONE = f32(1.0)
+_LEFT, _RIGHT = 48, 50  # rows of the bins: of what lies to one side of a split
 
 
 @kernel
@@ -63,40 +64,44 @@ def gather_primitives(
                     bounds[place, 3 + axis] = max(bounds[place, 3 + axis], corners[place, 3 * c + axis])
 
 
-@kernel
-def _center(bounds, k: int, axis: int) -> np.float32:
-    """Twice the middle of a primitive's box: halving would change nothing."""
-    return bounds[k, axis] + bounds[k, 3 + axis]
+# Rows of eight: of a box, the low corner, negated, and the high corner, each with a fourth number that says nothing, so that the greater of
+# each two numbers is the box that holds both. A primitive has two rows: its box, and the range of its centre, which is a point; in that of
+# a node all centres lie. Centres are twice what they are called: halving would change nothing.
 
 
 @kernel
-def _half_area(b, row: int) -> np.float32:
-    """Half the surface of the box in b[row, 0:6]; 0 for an empty one."""
-    x, y, z = b[row, 3] - b[row, 0], b[row, 4] - b[row, 1], b[row, 5] - b[row, 2]
+def bound_triangles(corners, bounds):
+    """Fill bounds (n, 6), low corner and high corner, from the vertices (n, 9) of triangles."""
+    for k in range(corners.shape[0]):
+        for axis in range(3):
+            a, b, c = corners[k, axis], corners[k, 3 + axis], corners[k, 6 + axis]
+            bounds[k, axis], bounds[k, 3 + axis] = min(min(a, b), c), max(max(a, b), c)
+
+
+@kernel
+def _half_area(box, row: int) -> np.float32:
+    """Half the surface of a box; 0 for an empty one."""
+    x, y, z = box[8 * row + 4] + box[8 * row], box[8 * row + 5] + box[8 * row + 1], box[8 * row + 6] + box[8 * row + 2]
     return x * y + y * z + z * x if x >= ZERO else ZERO
 
 
 @kernel
-def _clear(b, row: int):
-    for axis in range(3):
-        b[row, axis], b[row, 3 + axis] = _INFINITY, -_INFINITY
-    b[row, 6] = ZERO
+def _clear(rows, row: int):
+    store8(rows, 8 * row, splat8(-_INFINITY))
 
 
 @kernel
-def _grow(b, row: int, source, k: int):
-    for axis in range(3):
-        b[row, axis] = min(b[row, axis], source[k, axis])
-        b[row, 3 + axis] = max(b[row, 3 + axis], source[k, 3 + axis])
+def _grow(rows, row: int, box):
+    """Make a box hold another one: the greater of each two numbers, since low corners are negated."""
+    store8(rows, 8 * row, max(load8(rows, 8 * row), box))
 
 
 @kernel
-def _center_range(bounds, order, first: int, last: int, axis: int):
-    low, high = _INFINITY, -_INFINITY
-    for i in range(first, last):
-        c = _center(bounds, order[i], axis)
-        low, high = min(low, c), max(high, c)
-    return low, high
+def _scale(ranges, row: int, axis: int) -> np.float32:
+    """Bins by centre; 0 where all centres coincide, or are too far apart for a number."""
+    low, high = -ranges[8 * row + axis], ranges[8 * row + 4 + axis]
+    scale = f32(_BINS) / (high - low)
+    return scale if low < high and high - low < _INFINITY and scale < _INFINITY else ZERO
 
 
 @kernel
@@ -105,61 +110,87 @@ def _bin_of(c: np.float32, low: np.float32, scale: np.float32) -> int:
 
 
 @kernel
-def _best_split(bounds, order, first: int, last: int, bins):
-    """(axis, bin) after which to split, by the surface area heuristic; axis -1 where all centres coincide.
+def _fill_bins(boxes, first: int, last: int, ranges, row: int, bins, counts):
+    """Sort primitives into the bins of all three axes at once: rows 16 axis + bin, boxes and counts."""
+    for b in range(3 * _BINS):
+        _clear(bins, b)
+        counts[b] = 0
+    low_x, low_y, low_z = -ranges[8 * row], -ranges[8 * row + 1], -ranges[8 * row + 2]
+    scale_x, scale_y, scale_z = _scale(ranges, row, 0), _scale(ranges, row, 1), _scale(ranges, row, 2)
+    for i in range(first, last):
+        place = 16 * i
+        box = load8(boxes, place)
+        x = _bin_of(boxes[place + 12], low_x, scale_x)
+        y = _BINS + _bin_of(boxes[place + 13], low_y, scale_y)
+        z = 2 * _BINS + _bin_of(boxes[place + 14], low_z, scale_z)
+        _grow(bins, x, box)
+        _grow(bins, y, box)
+        _grow(bins, z, box)
+        counts[x] += 1
+        counts[y] += 1
+        counts[z] += 1
 
-    `bins` (64, 8): rows 0..15 the bins (box and count), rows 16..31 the area times count of what lies right of each.
-    """
+
+@kernel
+def _best_split(boxes, first: int, last: int, ranges, row: int, bins, counts, costs):
+    """(axis, bin) after which to split, by the surface area heuristic; axis -1 where all centres coincide."""
+    _fill_bins(boxes, first, last, ranges, row, bins, counts)
     best, best_axis, best_bin = _INFINITY, -1, 0
     for axis in range(3):
-        low, high = _center_range(bounds, order, first, last, axis)
-        scale = f32(_BINS) / (high - low)
-        if not (low < high and high - low < _INFINITY and scale < _INFINITY):
+        if _scale(ranges, row, axis) == ZERO:
             continue
-        for b in range(_BINS):
-            _clear(bins, b)
-        for i in range(first, last):
-            b = _bin_of(_center(bounds, order[i], axis), low, scale)
-            _grow(bins, b, bounds, np.int64(order[i]))
-            bins[b, 6] += _ONE
-        _clear(bins, 40)
+        _clear(bins, _RIGHT)
+        n = 0
         for b in range(_BINS - 1, 0, -1):
-            _grow(bins, 40, bins, b)
-            bins[40, 6] += bins[b, 6]
-            bins[16 + b, 0] = _half_area(bins, 40) * bins[40, 6]
-        _clear(bins, 41)
+            _grow(bins, _RIGHT, load8(bins, 8 * (_BINS * axis + b)))
+            n += counts[_BINS * axis + b]
+            costs[b] = _half_area(bins, _RIGHT) * f32(n)
+        _clear(bins, _LEFT)
+        n = 0
         for b in range(_BINS - 1):
-            _grow(bins, 41, bins, b)
-            bins[41, 6] += bins[b, 6]
-            cost = _half_area(bins, 41) * bins[41, 6] + bins[16 + b + 1, 0]
-            if cost < best and bins[41, 6] > ZERO and bins[41, 6] < f32(last - first):
+            _grow(bins, _LEFT, load8(bins, 8 * (_BINS * axis + b)))
+            n += counts[_BINS * axis + b]
+            cost = _half_area(bins, _LEFT) * f32(n) + costs[b + 1]
+            if cost < best and n > 0 and n < last - first:
                 best, best_axis, best_bin = cost, axis, b
     return best_axis, best_bin
 
 
 @kernel
-def _partition(bounds, order, first: int, last: int, axis: int, split: int) -> int:
-    """Bring what lies up to a bin to the front. Returns where the rest begins."""
-    low, high = _center_range(bounds, order, first, last, axis)
-    scale = f32(_BINS) / (high - low)
+def _partition(boxes, order, first: int, last: int, ranges, row: int, axis: int, split: int, bins) -> int:
+    """Bring what lies up to a bin to the front; bound both sides, as `_bound` does. Returns where the rest begins."""
+    low, scale = -ranges[8 * row + axis], _scale(ranges, row, axis)
+    for side in range(_LEFT, _RIGHT + 2):
+        _clear(bins, side)
     i, j = first, last - 1
     while i <= j:
-        if _bin_of(_center(bounds, order[i], axis), low, scale) <= split:
+        place = 16 * i
+        box, center = load8(boxes, place), load8(boxes, place + 8)
+        if _bin_of(boxes[place + 12 + axis], low, scale) <= split:
+            side = _LEFT
             i += 1
         else:
+            side = _RIGHT
             order[i], order[j] = order[j], order[i]
+            store8(boxes, place, load8(boxes, 16 * j))
+            store8(boxes, place + 8, load8(boxes, 16 * j + 8))
+            store8(boxes, 16 * j, box)
+            store8(boxes, 16 * j + 8, center)
             j -= 1
+        _grow(bins, side, box)
+        _grow(bins, side + 1, center)
     return i
 
 
 @kernel
-def _set_child(node, side: int, bounds, order, first: int, last: int, bins):
-    """Write the box of a child into its parent."""
-    _clear(bins, 42)
+def _bound(boxes, first: int, last: int, bins, side: int):
+    """The box of a range of primitives, into row `side` of `bins`, and the range of their centres into the next."""
+    _clear(bins, side)
+    _clear(bins, side + 1)
     for i in range(first, last):
-        _grow(bins, 42, bounds, np.int64(order[i]))
-    for c in range(6):
-        node["box"][6 * side + c] = bins[42, c]
+        place = 16 * i
+        _grow(bins, side, load8(boxes, place))
+        _grow(bins, side + 1, load8(boxes, place + 8))
 
 
 @kernel
@@ -173,32 +204,41 @@ def _any_before(n, order, first: int, last: int) -> bool:
 
 
 @kernel
-def build_tree(bounds, order, nodes, stack, bins, leaf_size, used):
-    """Fill `nodes` and bring `order` into the order of the leaves; used[0] is the number of nodes.
+def build_tree(boxes, order, nodes, stack, ranges, bins, counts, costs, leaf_size, used):
+    """Fill `nodes`, and bring `order` and `boxes` into the order of the leaves; used[0] is the number of nodes.
 
-    The first used[1] primitives are trees, each a leaf of its own.
+    `boxes` (16 n,): the two rows of each primitive. The first used[1] primitives are trees, each a leaf of its own.
 
-    `stack` (k, 4) holds what waits: node, first, last, depth. Deep down, where the heuristic would make a list of it, the tree is
-    split in the middle, so that no walk needs more than the stack it has.
+    `stack` (k, 4) holds what waits: node, first, last, depth; `ranges` (8 k + 8,) where its centres lie. Deep down, where the heuristic
+    would make a list of it, the tree is split in the middle, so that no walk needs more than the stack it has. Scratch: `bins` (416,)
+    float32, `counts` (48,) int32, `costs` (16,) float32.
     """
-    count, top = 1, 1
+    count, top, n_trees = 1, 1, used[1]
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0, 0, order.shape[0], 0
+    _bound(boxes, 0, order.shape[0], bins, _LEFT)
+    store8(ranges, 0, load8(bins, 8 * (_LEFT + 1)))
     while top > 0:
         top -= 1
         n, first, last, depth = stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3]
-        middle = (first + last) // 2
+        middle, axis = (first + last) // 2, -1
         if depth < MAX_DEPTH // 2:
-            axis, split = _best_split(bounds, order, first, last, bins)
+            axis, split = _best_split(boxes, first, last, ranges, top, bins, counts, costs)
             if axis >= 0:
-                middle = _partition(bounds, order, first, last, axis, split)
+                middle = _partition(boxes, order, first, last, ranges, top, axis, split, bins)
+        if axis < 0:
+            _bound(boxes, first, middle, bins, _LEFT)
+            _bound(boxes, middle, last, bins, _RIGHT)
         for side in range(2):
             a, b = (first, middle) if side == 0 else (middle, last)
-            _set_child(nodes[n], side, bounds, order, a, b, bins)
-            if b - a == 1 or (b - a <= leaf_size and not _any_before(used[1], order, a, b)):
+            row = 8 * (_LEFT + 2 * side)
+            for c in range(3):
+                nodes[n]["box"][6 * side + c], nodes[n]["box"][6 * side + 3 + c] = -bins[row + c], bins[row + 4 + c]
+            if b - a == 1 or (b - a <= leaf_size and not _any_before(n_trees, order, a, b)):
                 nodes[n]["child"][side], nodes[n]["count"][side] = -1 - a, b - a
             else:
                 nodes[n]["child"][side], nodes[n]["count"][side] = count, 0
                 stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3] = count, a, b, depth + 1
+                store8(ranges, 8 * top, load8(bins, row + 8))
                 top += 1
                 count += 1
     used[0] = count

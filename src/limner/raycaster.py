@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from .accel import batch, batch_structures
 from .accel.batch_structures import Structure
 from .accel.bvh import build_over
-from .accel.layouts import PRIMITIVE, Accelerator
+from .accel.layouts import PACK_WORDS, PRIMITIVE, TAG_WORDS, Accelerator
 from .accel.volume_tree import VolumeTree, build_volume_tree
 from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
@@ -148,10 +148,8 @@ class RayCaster:
         self.n_triangles = len(indices)
         kept, used = _finite_triangles(points, indices)
         self._frame = _frame(points[used].astype(np.float64))
-        with np.errstate(invalid="ignore", over="ignore"):
-            self._vertices = ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
-        self._rows, self._triangles = kept, indices[kept].astype(np.int32)
-        self._accelerator = _built(self._corners(), kept, accelerator)
+        self._rows = kept if len(kept) < len(indices) else None
+        self._accelerator = _built(self._near(points)[indices[kept]].reshape(-1, 9), kept, accelerator)
         self._tree: VolumeTree | None = self._accelerator if isinstance(self._accelerator, VolumeTree) else None
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None) -> Hits:
@@ -207,7 +205,7 @@ class RayCaster:
         """
         _, rays = _rays(origins, directions, t_max)
         if self._tree is None:
-            self._tree = build_volume_tree(self._corners())
+            self._tree = build_volume_tree(_corners_of(self._accelerator))
         starts, t, row, u, v = batch_structures.every_hit(self._tree, self._frame, *rays, thread_count(threads))
         return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, self._triangles_of(row), u, v, starts)
 
@@ -231,15 +229,16 @@ class RayCaster:
         """Bytes that the acceleration structure holds, the triangles' corners among them; not those of what `all_hits` builds."""
         return sum(part.nbytes for part in self._accelerator if isinstance(part, np.ndarray))
 
-    def _corners(self) -> NDArray[np.float32]:
-        """(m, 9) float32: the vertices of the triangles that are kept, moved and scaled."""
-        return self._vertices[self._triangles].reshape(-1, 9)
+    def _near(self, points: NDArray[Any]) -> NDArray[np.float32]:
+        """(n, 3) float32: vertices, moved and scaled."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            return ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
 
     def _triangles_of(self, rows: NDArray[np.int32]) -> NDArray[np.int32]:
         """The given triangles that stand in rows of the corners; -1 stays."""
-        if len(self._rows) == self.n_triangles:
+        if self._rows is None or not len(self._rows):
             return rows
-        return np.where(rows >= 0, self._rows[rows], rows) if len(self._rows) else rows
+        return np.where(rows >= 0, self._rows[rows], rows)
 
     def __repr__(self) -> str:
         return f"RayCaster({self.n_triangles} triangles)"
@@ -255,7 +254,19 @@ def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) ->
     primitives["triangle"], primitives["opaque"] = kept, 1
     points = corners.reshape(-1, 3, 3)
     bounds = np.concatenate([points.min(axis=1), points.max(axis=1)], axis=1)
-    return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), kind)
+    nothing = np.zeros(0, dtype=PRIMITIVE)
+    # What is said of triangles at rest stands in the packs, once more.
+    return build_over(primitives, corners, bounds, nothing, kind)._replace(primitives=nothing)
+
+
+def _corners_of(accelerator: Accelerator | Structure) -> NDArray[np.float32]:
+    """(m, 9) float32: the triangles that an acceleration structure holds, in the order of their numbers."""
+    if not isinstance(accelerator, Accelerator):
+        return accelerator.corners
+    corners = accelerator.packs.reshape(-1, PACK_WORDS // 8, 8).transpose(0, 2, 1).reshape(-1, PACK_WORDS // 8)
+    numbers = accelerator.tags.reshape(-1, TAG_WORDS // 8, 8)[:, 1].reshape(-1)
+    filled = np.flatnonzero(~np.isnan(corners[:, 0]))
+    return corners[filled[np.unique(numbers[filled], return_index=True)[1]]]
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]

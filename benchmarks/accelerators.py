@@ -4,10 +4,10 @@
 
 Scenes are triangles strewn at random, a teapot, a teapot in a stadium, and the models that are given. Rays are those of `rays.py`: primary
 ones, bounces, random chords (in the stadium those of the teapot alone), one thread, in millions a second of processor time. Parts and
-triangles are those that a random chord visits; of the tree of eight children, eight boxes and eight triangles at once, they are counted in a
+triangles are those that a random chord visits; of the tree of eight children (eight boxes, eight triangles at once) they are counted in a
 process in which kernels run as Python and are recorded. All structures must find the same distances before anything is told. `--embree`
-compares resident memory with Embree's, each in a process of its own; `--plot` draws how the time of a ray grows from a thousand to four
-million triangles.
+compares resident memory with Embree's (Linux), each in a process of its own, before and after the C library was made to return what is
+free in its heap; `--plot` draws how the time of a ray grows from a thousand to four million triangles.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ print(names.count("meet_box") / len(origins), names.count("hit_triangle") / len(
 """
 
 _RESIDENT = """
-import sys
+import ctypes, sys
 import numpy as np
 def resident():
     with open("/proc/self/statm") as file:
@@ -84,7 +84,9 @@ else:
     made = build(*small)
     before = resident()
     made = build(vertices, triangles)
-print((resident() - before) / 1e6, (greatest() - before) / 1e6)
+grown = resident() - before
+ctypes.CDLL(None).malloc_trim(0)
+print(grown / 1e6, (resident() - before) / 1e6, (greatest() - before) / 1e6)
 """
 
 
@@ -205,8 +207,9 @@ def tell_memory(mesh: Mesh, embree: str) -> None:
         np.savez(path, vertices=mesh[0], triangles=mesh[1])
         for name, python in (("limner", sys.executable), (EMBREE_NAME, embree)):
             told = subprocess.run([python, "-c", _RESIDENT, str(path), name], check=True, capture_output=True, text=True).stdout
-            stays, most = map(float, told.split())
-            print(f"\n{name}: the process grows by {stays:.1f} MB, by {most:.1f} MB while it builds", end="", flush=True)
+            grown, trimmed, most = told.split()
+            words = f"the process grows by {float(grown):.1f} MB, of which {float(trimmed):.1f} MB are in use"
+            print(f"\n{name}: {words}; by {float(most):.1f} MB while it builds", end="", flush=True)
     print()
 
 

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from .accel import batch, batch_structures
 from .accel.batch_structures import Structure
 from .accel.bvh import build_over
-from .accel.layouts import PACK_WORDS, PRIMITIVE, TAG_WORDS, Accelerator
+from .accel.layouts import PRIMITIVE, Accelerator
 from .accel.volume_tree import VolumeTree, build_volume_tree
 from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
@@ -150,7 +150,9 @@ class RayCaster:
         self._frame = _frame(points[used].astype(np.float64))
         self._rows = kept if len(kept) < len(indices) else None
         self._accelerator = _built(self._near(points)[indices[kept]].reshape(-1, 9), kept, accelerator)
-        self._tree: VolumeTree | None = self._accelerator if isinstance(self._accelerator, VolumeTree) else None
+        self._tree: VolumeTree | Accelerator | None = None
+        if isinstance(self._accelerator, (Accelerator, VolumeTree)):
+            self._tree = self._accelerator
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None) -> Hits:
         """Find the first hit of every ray.
@@ -196,7 +198,8 @@ class RayCaster:
     ) -> AllHits:
         """Find every triangle that a ray meets, not only the first; arguments as of `intersect`.
 
-        A ray through an edge or a vertex meets all triangles there. On the first call a tree of boxes is built, if there is none.
+        A ray through an edge or a vertex meets all triangles there. Where the accelerator is a grid or a BSP, whose parts share triangles,
+        the first call builds a tree of boxes beside it.
 
         >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2], [3, 4, 5]])
         >>> every = caster.all_hits([[0.25, 0.25, 3], [2, 2, 3]], [0, 0, -1])
@@ -205,9 +208,11 @@ class RayCaster:
         """
         _, rays = _rays(origins, directions, t_max)
         if self._tree is None:
-            self._tree = build_volume_tree(_corners_of(self._accelerator))
+            assert not isinstance(self._accelerator, Accelerator)
+            self._tree = build_volume_tree(self._accelerator.corners)
         starts, t, row, u, v = batch_structures.every_hit(self._tree, self._frame, *rays, thread_count(threads))
-        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, self._triangles_of(row), u, v, starts)
+        triangle = row if isinstance(self._tree, Accelerator) else self._triangles_of(row)
+        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, triangle, u, v, starts)
 
     def visits(
         self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None, *, any_hit: bool = False
@@ -257,16 +262,6 @@ def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) ->
     nothing = np.zeros(0, dtype=PRIMITIVE)
     # What is said of triangles at rest stands in the packs, once more.
     return build_over(primitives, corners, bounds, nothing, kind)._replace(primitives=nothing)
-
-
-def _corners_of(accelerator: Accelerator | Structure) -> NDArray[np.float32]:
-    """(m, 9) float32: the triangles that an acceleration structure holds, in the order of their numbers."""
-    if not isinstance(accelerator, Accelerator):
-        return accelerator.corners
-    corners = accelerator.packs.reshape(-1, PACK_WORDS // 8, 8).transpose(0, 2, 1).reshape(-1, PACK_WORDS // 8)
-    numbers = accelerator.tags.reshape(-1, TAG_WORDS // 8, 8)[:, 1].reshape(-1)
-    filled = np.flatnonzero(~np.isnan(corners[:, 0]))
-    return corners[filled[np.unique(numbers[filled], return_index=True)[1]]]
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from .accel import batch, batch_structures
 from .accel.batch_structures import Structure
 from .accel.bvh import build_over_triangles
-from .accel.layouts import Accelerator
+from .accel.layouts import PRIMITIVE, Accelerator
 from .accel.volume_tree import VolumeTree, build_volume_tree
 from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
@@ -148,11 +148,12 @@ class RayCaster:
         self.n_triangles = len(indices)
         kept, used = _finite_triangles(points, indices)
         self._frame = _frame(points[used].astype(np.float64))
-        with np.errstate(invalid="ignore", over="ignore"):
-            self._vertices = ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
-        self._rows, self._triangles = kept, indices[kept].astype(np.int32)
-        self._accelerator = _built(self._corners(), kept, accelerator)
-        self._tree: VolumeTree | None = self._accelerator if isinstance(self._accelerator, VolumeTree) else None
+        self._rows = kept if len(kept) < len(indices) else None
+        self._n_vertices, self._triangles = len(points), indices.astype(np.int32)
+        self._accelerator = _built(self._corners(points), kept, accelerator)
+        self._tree: VolumeTree | Accelerator | None = None
+        if isinstance(self._accelerator, (Accelerator, VolumeTree)):
+            self._tree = self._accelerator
 
     def intersect(self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None) -> Hits:
         """Find the first hit of every ray.
@@ -198,7 +199,8 @@ class RayCaster:
     ) -> AllHits:
         """Find every triangle that a ray meets, not only the first; arguments as of `intersect`.
 
-        A ray through an edge or a vertex meets all triangles there. On the first call a tree of boxes is built, if there is none.
+        A ray through an edge or a vertex meets all triangles there. Where the accelerator is a grid or a BSP, whose parts share triangles,
+        the first call builds a tree of boxes beside it.
 
         >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2], [3, 4, 5]])
         >>> every = caster.all_hits([[0.25, 0.25, 3], [2, 2, 3]], [0, 0, -1])
@@ -207,9 +209,11 @@ class RayCaster:
         """
         _, rays = _rays(origins, directions, t_max)
         if self._tree is None:
-            self._tree = build_volume_tree(self._corners())
+            assert not isinstance(self._accelerator, Accelerator)
+            self._tree = build_volume_tree(self._accelerator.corners)
         starts, t, row, u, v = batch_structures.every_hit(self._tree, self._frame, *rays, thread_count(threads))
-        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, self._triangles_of(row), u, v, starts)
+        triangle = row if isinstance(self._tree, Accelerator) else self._triangles_of(row)
+        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, triangle, u, v, starts)
 
     def refit(self, vertices: ArrayLike) -> None:
         """Move the vertices: the same triangles in another pose, as of an animation or a simulation; several times as fast as anew.
@@ -237,17 +241,15 @@ class RayCaster:
         if not isinstance(self._accelerator, Accelerator):
             raise UnsupportedError('a pose is changed with accelerator="bvh" or "linear"; of the others, make a new one')
         points = _rows_of_three(vertices, "vertices", "fiu").astype(np.float64)
-        if len(points) != len(self._vertices):
-            raise SceneError(f"vertices must have shape ({len(self._vertices)}, 3), as before, got {points.shape}")
-        used = points[self._triangles]
+        if len(points) != self._n_vertices:
+            raise SceneError(f"vertices must have shape ({self._n_vertices}, 3), as before, got {points.shape}")
+        rows = np.arange(self.n_triangles, dtype=np.int32) if self._rows is None else self._rows
+        used = points[self._triangles[rows]]
         if not np.isfinite(used).all():
-            number = int(self._rows[np.flatnonzero(~np.isfinite(used).all(axis=(1, 2)))[0]])
-            raise SceneError(f"vertices must be finite, got {used[self._rows == number].tolist()} at triangle {number}")
+            k = int(np.flatnonzero(~np.isfinite(used).all(axis=(1, 2)))[0])
+            raise SceneError(f"vertices must be finite, got {used[k].tolist()} at triangle {rows[k]}")
         self._frame = _frame(used.reshape(-1, 3))
-        with np.errstate(invalid="ignore", over="ignore"):
-            self._vertices = ((points - self._frame[:3]) * self._frame[3]).astype(np.float32)
-        self._tree = None
-        batch.refit(self._accelerator, self._rows, self.n_triangles, self._corners())
+        batch.refit(self._accelerator, rows, self.n_triangles, self._corners(points))
 
     def visits(
         self, origins: ArrayLike, directions: ArrayLike, t_max: ArrayLike = np.inf, threads: int | None = None, *, any_hit: bool = False
@@ -269,15 +271,18 @@ class RayCaster:
         """Bytes that the acceleration structure holds, the triangles' corners among them; not those of what `all_hits` builds."""
         return sum(part.nbytes for part in self._accelerator if isinstance(part, np.ndarray))
 
-    def _corners(self) -> NDArray[np.float32]:
+    def _corners(self, points: NDArray[Any]) -> NDArray[np.float32]:
         """(m, 9) float32: the vertices of the triangles that are kept, moved and scaled."""
-        return np.take(self._vertices, self._triangles.reshape(-1), axis=0).reshape(-1, 9)
+        with np.errstate(invalid="ignore", over="ignore"):
+            near = ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
+        kept = self._triangles if self._rows is None else self._triangles[self._rows]
+        return np.take(near, kept.reshape(-1), axis=0).reshape(-1, 9)
 
     def _triangles_of(self, rows: NDArray[np.int32]) -> NDArray[np.int32]:
         """The given triangles that stand in rows of the corners; -1 stays."""
-        if len(self._rows) == self.n_triangles:
+        if self._rows is None or not len(self._rows):
             return rows
-        return np.where(rows >= 0, self._rows[rows], rows) if len(self._rows) else rows
+        return np.where(rows >= 0, self._rows[rows], rows)
 
     def __repr__(self) -> str:
         return f"RayCaster({self.n_triangles} triangles)"
@@ -289,7 +294,8 @@ def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) ->
         raise UnsupportedError(f"accelerator must be one of {', '.join(map(repr, get_args(Kind)))}, got {kind!r}")
     if kind != "bvh" and kind != "linear":
         return batch_structures.build_structure(corners, kind)
-    return build_over_triangles(corners, kept, kind)
+    # What is said of triangles at rest stands in the packs, once more.
+    return build_over_triangles(corners, kept, kind)._replace(primitives=np.zeros(0, dtype=PRIMITIVE))
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]

@@ -316,8 +316,10 @@ def test_all_structures_find_what_the_list_finds(name, scale):
             np.testing.assert_array_equal(hits.triangle, expected.triangle, err_msg=kind)
             np.testing.assert_array_equal(hits.u, expected.u, err_msg=kind)
         np.testing.assert_array_equal(caster.intersect(origins, directions, t_max=ends).t, shorter, err_msg=kind)
-    first = RayCaster(points, triangles).all_hits(origins, directions)
-    np.testing.assert_array_equal(first.t[first.starts[:-1][expected.hit]], expected.t[expected.hit])
+    one, other = (RayCaster(points, triangles, accelerator=kind).all_hits(origins, directions) for kind in ("bvh", "volume_tree"))
+    for part in ("t", "triangle", "u", "v", "starts"):
+        np.testing.assert_array_equal(getattr(one, part), getattr(other, part))
+    np.testing.assert_array_equal(one.t[one.starts[:-1][expected.hit]], expected.t[expected.hit])
 
 
 @pytest.mark.parametrize("kind", STRUCTURES)

@@ -227,11 +227,12 @@ def test_degenerate_and_broken_triangles() -> None:
     assert not RayCaster(points, [[0, 1, 3]]).intersect((0, 0, 1), (0, 0, -1)).hit.any()
 
 
-def test_all_hits_along_rays() -> None:
+@pytest.mark.parametrize("accelerator", ["bvh", "bsp", "linear"])
+def test_all_hits_along_rays(accelerator: Any) -> None:
     """Those that an oracle in float64 is sure of, in order; the first is the nearest; nothing is told twice."""
     vertices, triangles = soup(200 if _jit.MODE == "compiled" else 30)
-    origins, directions = random_rays(min(MANY, 400))
-    caster = RayCaster(vertices, triangles)
+    origins, directions = random_rays(min(MANY, 400) // (1 if _jit.MODE == "compiled" else 4))
+    caster = RayCaster(vertices, triangles, accelerator=accelerator)
     every = caster.all_hits(origins, directions)
     t, _, _, margin = brute_force(vertices[triangles], origins, directions)
     found = np.zeros(t.shape, dtype=bool)
@@ -254,7 +255,7 @@ def test_all_hits_along_rays() -> None:
 
 def test_all_hits_of_little() -> None:
     """No triangles, no rays, rays that are none; a pile of equal triangles in the order of their numbers; the numbers of those left out."""
-    caster = RayCaster(TRIANGLE, [[0, 1, 2]] * 5)
+    caster = RayCaster(TRIANGLE, [[0, 1, 2]] * 5, accelerator="volume_tree")
     assert len(RayCaster([], []).all_hits(np.zeros((5, 3)), (0, 0, 1))) == 0
     assert caster.all_hits([], []).starts.tolist() == [0]
     assert caster.all_hits(np.full((2, 2, 3), np.nan), (0, 0, 0)).counts.tolist() == [0] * 4

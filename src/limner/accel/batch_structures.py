@@ -15,6 +15,7 @@ from .._door import Array, Door, Scalar
 from ..tiles import run_all
 from .bsp import BSP_NODE, DEEPEST, Bsp, build_bsp
 from .grid import Grid, build_grid
+from .layouts import STACK_SIZE, Accelerator
 from .volume_tree import TREE_NODE, VolumeTree, build_volume_tree
 
 __all__ = ["Cast", "Structure", "StructureKind", "build_structure", "cast", "every_hit"]
@@ -37,15 +38,10 @@ _KERNELS = "limner.accel.batch_structures_kernel"
 _THROUGH_GRID = Door(_KERNELS, "cast_through_grid", (*_GRID, *_RAYS, *_RESULTS), "the ray caster's grid")
 _THROUGH_BSP = Door(_KERNELS, "cast_through_bsp", (*_BSP, *_RAYS, *_RESULTS), "the ray caster's BSP")
 _THROUGH_TREE = Door(_KERNELS, "cast_through_volume_tree", (*_TREE, *_RAYS, *_RESULTS), "the ray caster's tree of least volumes")
-_ALONG = Door(
-    _KERNELS,
-    "hits_along",
-    (
-        *_TREE, *_RAYS, Array(i32, 1), Array(i64, 1), Array(f32, 1), Array(i32, 1), Array(f32, 1), Array(f32, 1), Scalar(i64),
-        Array(i32, 1),
-    ),
-    "all hits of the ray caster",
-)  # fmt: skip
+_HITS = (Array(i32, 1), Array(i64, 1), Array(f32, 1), Array(i32, 1), Array(f32, 1), Array(f32, 1), Scalar(i64), Array(i32, 1))
+_ALONG = Door(_KERNELS, "hits_along", (*_TREE, *_RAYS, *_HITS), "all hits of the ray caster")
+_EIGHT = (Array(i32, 1), Array(f32, 1), Array(i32, 1))
+_ALONG_EIGHT = Door(_KERNELS, "hits_along_eight", (*_EIGHT, *_RAYS, *_HITS), "all hits of the ray caster's tree of eight")
 
 
 class Cast(NamedTuple):
@@ -107,14 +103,14 @@ def cast(
 
 
 def every_hit(
-    tree: VolumeTree,
+    tree: VolumeTree | Accelerator,
     frame: NDArray[np.float64],
     origins: NDArray[Any],
     directions: NDArray[Any],
     t_max: NDArray[Any],
     threads: int,
 ) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]:
-    """Find all hits of every ray; arguments as of `cast`.
+    """Find all hits of every ray; arguments as of `cast`, but for the tree: one of least volumes, or of eight children, of triangles alone.
 
     Returns
     -------
@@ -123,7 +119,7 @@ def every_hit(
     t : (m,) float32
         In order along each ray.
     row : (m,) int32
-        Of the tree's corners; in order where t is equal.
+        Of the tree's corners, or the numbers that the packs hold; in order where t is equal.
     u, v : (m,) float32
     """
     n = len(origins)
@@ -132,9 +128,10 @@ def every_hit(
     # The same walk twice: first it counts, then there is room for what it finds.
     def trace(first: int) -> None:
         rays = _piece((origins, directions, t_max), first)
-        _ALONG(*tree, frame, *rays, counts, starts, *found, first, np.empty(DEEPEST + 2, dtype=i32))
+        door(*arrays, frame, *rays, counts, starts, *found, first, np.empty(STACK_SIZE, dtype=i32))
 
-    _ALONG.open()
+    door, arrays = (_ALONG_EIGHT, tuple(tree[:3])) if isinstance(tree, Accelerator) else (_ALONG, tuple(tree))
+    door.open()
     found = _room_for_hits(0)
     run_all(trace, range(0, n, _CHUNK), threads)
     np.cumsum(counts, out=starts[1:])

@@ -7,12 +7,13 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.vec import ZERO
 from .bsp_walk import walk_bsp
+from .every_hit_walk import each_hit_of_eight
 from .grid_walk import walk_grid
 from .listed_triangles import Found
 from .near_ray import near_ray
 from .volume_tree_walk import each_hit, walk_volume_tree
 
-__all__ = ["cast_through_bsp", "cast_through_grid", "cast_through_volume_tree", "hits_along"]
+__all__ = ["cast_through_bsp", "cast_through_grid", "cast_through_volume_tree", "hits_along", "hits_along_eight"]
 
 f32, f64 = np.float32, np.float64
 
@@ -83,6 +84,14 @@ def cast_through_volume_tree(
 
 
 @kernel
+def _scaled(t, ray, begin: int, n: int):
+    """Make the t of the near ray those of the given one."""
+    if t.shape[0] > 0:
+        for i in range(begin, begin + n):
+            t[i] = f32((ray.start + f64(t[i])) / ray.length)
+
+
+@kernel
 def hits_along(bounds, nodes, items, corners, frame, origins, directions, t_max, counts, starts, t, row, u, v, first, waiting):
     """All hits of each ray within (0, t_max): how many, and, where t has room, what they are, from starts[first + k] on."""
     tree = (bounds, nodes, items, corners)
@@ -93,6 +102,17 @@ def hits_along(bounds, nodes, items, corners, frame, origins, directions, t_max,
         if ray.sound and end > ZERO:
             n = each_hit(tree, ray.o, ray.d, ZERO, end, t, row, u, v, begin, waiting)
         counts[first + k] = n
-        if t.shape[0] > 0:
-            for i in range(begin, begin + n):
-                t[i] = f32((ray.start + f64(t[i])) / ray.length)
+        _scaled(t, ray, begin, n)
+
+
+@kernel
+def hits_along_eight(nodes, packs, tags, frame, origins, directions, t_max, counts, starts, t, row, u, v, first, waiting):
+    """As `hits_along`; `row` are the numbers that the packs hold."""
+    for k in range(origins.shape[0]):
+        ray = near_ray(origins, directions, k, frame)
+        end = f32(t_max[k] * ray.length - ray.start)
+        begin, n = starts[first + k], 0
+        if ray.sound and end > ZERO:
+            n = each_hit_of_eight(nodes, packs, tags, ray.o, ray.d, ZERO, end, t, row, u, v, begin, waiting)
+        counts[first + k] = n
+        _scaled(t, ray, begin, n)

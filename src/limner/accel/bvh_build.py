@@ -219,7 +219,7 @@ def build_tree(boxes, order, nodes, stack, ranges, bins, counts, costs, leaf_siz
     store8(ranges, 0, load8(bins, 8 * (_LEFT + 1)))
     while top > 0:
         top -= 1
-        n, first, last, depth = stack[top, 0], stack[top, 1], stack[top, 2], stack[top, 3]
+        n, first, last, depth = np.int64(stack[top, 0]), np.int64(stack[top, 1]), np.int64(stack[top, 2]), stack[top, 3]
         middle, axis = (first + last) // 2, -1
         if depth < MAX_DEPTH // 2:
             axis, split = _best_split(boxes, first, last, ranges, top, bins, counts, costs)

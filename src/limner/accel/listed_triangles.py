@@ -14,7 +14,7 @@ from .._jit import kernel
 from ..intersect.triangle import hit_triangle
 from ..kernel.vec import ZERO, Vec3
 
-__all__ = ["Found", "nearest_listed", "nothing_before", "slack_of", "span_within", "triangle_hit"]
+__all__ = ["Found", "insert_hit", "nearest_listed", "nothing_before", "slack_of", "span_within", "triangle_hit"]
 
 f32, f64 = np.float32, np.float64
 _ERROR = f32(2.0**-21)
@@ -85,3 +85,13 @@ def span_within(bounds, o, d, enter: np.float64, leave: np.float64):
             a, b = (low - o[axis]) / d[axis], (high - o[axis]) / d[axis]
             enter, leave = max(enter, min(a, b)), min(leave, max(a, b))
     return enter, leave
+
+
+@kernel
+def insert_hit(hit_t: np.float32, which: int, hit_u: np.float32, hit_v: np.float32, t, row, u, v, start: int, end: int):
+    """Put a hit among those of start..end, which are in order: by t, of equal ones by row."""
+    k = end
+    while k > start and (t[k - 1] > hit_t or (t[k - 1] == hit_t and row[k - 1] > which)):
+        t[k], row[k], u[k], v[k] = t[k - 1], row[k - 1], u[k - 1], v[k - 1]
+        k -= 1
+    t[k], row[k], u[k], v[k] = hit_t, which, hit_u, hit_v

@@ -11,7 +11,7 @@ from .._jit import kernel
 from ..intersect.box import meet_box, moved_on
 from ..intersect.triangle import turned_ray
 from ..kernel.vec import ONE, ZERO, Vec3
-from .listed_triangles import Found, nearest_listed, nothing_before, slack_of, triangle_hit
+from .listed_triangles import Found, insert_hit, nearest_listed, nothing_before, slack_of, triangle_hit
 
 __all__ = ["each_hit", "walk_volume_tree"]
 
@@ -97,16 +97,6 @@ def each_hit(tree, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, t, ro
             hit = triangle_hit(corners, np.int64(items[k]), ray, t_min, t_max)
             if hit.t < t_max:
                 if t.shape[0] > 0:
-                    _insert(hit, np.int64(items[k]), t, row, u, v, start, start + found)
+                    insert_hit(hit.t, np.int64(items[k]), hit.u, hit.v, t, row, u, v, start, start + found)
                 found += 1
     return found
-
-
-@kernel
-def _insert(hit, which: int, t, row, u, v, start: int, end: int):
-    """Put a hit among those of start..end, which are in order."""
-    k = end
-    while k > start and (t[k - 1] > hit.t or (t[k - 1] == hit.t and row[k - 1] > which)):
-        t[k], row[k], u[k], v[k] = t[k - 1], row[k - 1], u[k - 1], v[k - 1]
-        k -= 1
-    t[k], row[k], u[k], v[k] = hit.t, which, hit.u, hit.v

@@ -153,17 +153,11 @@ class RayMeshIntersector:
     def _first(self, origins: NDArray[np.float64], directions: NDArray[np.float64]) -> _Crossings:
         hits = self._ready().intersect(origins, directions, threads=self.threads)
         rows = np.flatnonzero(hits.hit)
-        return _Crossings(
-            rows, *(part[rows].astype(kind) for part, kind in zip(
-                (hits.triangle, hits.t, hits.u, hits.v), (np.int64, np.float64, np.float64, np.float64), strict=True
-            ))
-        )  # fmt: skip
+        return _crossings(rows, hits.triangle[rows], hits.t[rows], hits.u[rows], hits.v[rows])
 
     def _all(self, origins: NDArray[np.float64], directions: NDArray[np.float64], max_hits: int | None) -> _Crossings:
         hits = self._ready().all_hits(origins, directions, threads=self.threads)
-        found = _Crossings(
-            hits.ray, hits.triangle.astype(np.int64), *(part.astype(np.float64) for part in (hits.t, hits.u, hits.v))
-        )  # fmt: skip
+        found = _crossings(hits.ray, hits.triangle, hits.t, hits.u, hits.v)
         found = found.chosen(self._is_crossing(found, directions))
         if max_hits is None:
             return found
@@ -215,6 +209,12 @@ class RayMeshIntersector:
 
     def __repr__(self) -> str:
         return f"RayMeshIntersector({len(self.mesh.faces)} triangles)"
+
+
+def _crossings(
+    ray: NDArray[np.int64], triangle: NDArray[np.int32], t: NDArray[np.float32], u: NDArray[np.float32], v: NDArray[np.float32]
+) -> _Crossings:
+    return _Crossings(ray, triangle.astype(np.int64), t.astype(np.float64), u.astype(np.float64), v.astype(np.float64))
 
 
 def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

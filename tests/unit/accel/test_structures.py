@@ -182,3 +182,20 @@ def test_the_cost_grows_slowly() -> None:
     for kind in ("bsp", "volume_tree", "grid"):
         few, many = (caster_of(soup(n, 0.8 / n**0.5), kind).visits(origins, directions) for n in (500, 8000))
         assert many.nodes.sum() + many.triangles.sum() < 3 * (few.nodes.sum() + few.triangles.sum())
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("kind", ["grid", "bsp", "volume_tree"])
+def test_threads_change_nothing(kind: Any) -> None:
+    """One thread or five: the same hits, the same visits, the same of all along a ray."""
+    random = np.random.default_rng(0)
+    origins, directions = random.uniform(-2, 2, (9000, 3)).astype(np.float32), np.asfortranarray(random.normal(size=(9000, 3)))
+    caster = caster_of(soup(N), kind)
+    for ask, names in (
+        (caster.intersect, ("t", "triangle", "u", "v")),
+        (caster.visits, ("nodes", "triangles")),
+        (caster.all_hits, ("ray", "t", "triangle", "starts")),
+    ):
+        alone, crowd = (ask(origins, directions, threads=threads) for threads in (1, 5))
+        for name in names:
+            np.testing.assert_array_equal(getattr(alone, name), getattr(crowd, name))

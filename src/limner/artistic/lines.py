@@ -11,15 +11,28 @@ A photograph shows every point alike; a drawing shows the few curves from which 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SceneError, UnsupportedError
+from ..linear.project import check_size
+from ..progress import Meter, OnProgress
 from ..scene.camera import Camera
+from ..scene.framing import with_defaults
+from ..scene.scene import Scene
+from ..tiles import Cancel, Cancelled
+from .chain import Stroke, strokes_of
+from .edges import Wanted, edge_segments, faces_of
+from .segments import Segments, joined
+from .sight_lines import SightLines, sight_lines
+from .surfaces import Surfaces, surfaces_of
+from .visibility import hiding_triangles, parts_of, thrown
 
-__all__ = ["DEFAULT_KINDS", "KINDS", "Drawing", "FeatureLine", "LineKind"]
+__all__ = ["DEFAULT_KINDS", "KINDS", "Drawing", "FeatureLine", "LineKind", "drawing_of"]
 
 LineKind: TypeAlias = Literal[
     "silhouette", "smooth_silhouette", "crease", "boundary", "material", "uv_seam", "intersection", "suggestive_contour"
@@ -99,7 +112,105 @@ class Drawing:
         )
 
 
-# def drawing_of(
-#     scene: Scene, camera: Camera | None = None, *, width: int, height: int, kinds: Sequence[LineKind] = DEFAULT_KINDS,
-#     crease_degrees: float = 30.0, hidden: bool = True, on_progress: OnProgress | None = None, cancel: threading.Event | None = None,
-# ) -> Drawing: ...
+def drawing_of(
+    scene: Scene,
+    camera: Camera | None = None,
+    *,
+    width: int,
+    height: int,
+    kinds: Sequence[LineKind] = DEFAULT_KINDS,
+    crease_degrees: float = 30.0,
+    hidden: bool = True,
+    on_progress: OnProgress | None = None,
+    cancel: Cancel | None = None,
+) -> Drawing:
+    """Find the lines of a scene and what hides them.
+
+    Parameters
+    ----------
+    scene : Scene
+    camera : Camera, optional
+        None: the scene's, else one that frames everything. Perspective or parallel; its lens is a pinhole, and it stands as at time 0.
+    width, height : int >= 1
+        Of the picture, pixels. Lines end at its edges, at the camera's near plane, and at its far plane where it has one.
+    kinds : sequence of LineKind
+        An edge that fits more than one is a boundary before it is a silhouette, then a crease, a change of material, a seam.
+    crease_degrees : float from 0 to 180
+        An edge is a crease where the surface turns by more.
+    hidden : bool
+        Whether lines that something hides are kept.
+    on_progress : callable, optional
+        Takes a `Progress` now and then.
+    cancel : threading.Event, optional
+        Set, it stops the work, which raises `limner.tiles.Cancelled`: half of the surfaces hide the wrong lines.
+
+    Returns
+    -------
+    Drawing
+        The same for the same arguments, to the bit.
+
+    Notes
+    -----
+    Exact shapes are drawn by the triangles that stand for them, a tenth of a pixel from their surface; infinite planes have no lines but
+    those in which other surfaces meet them.
+
+    **Source**: FoCG 10.3.1.
+    """
+    numbers = _numbers_of(kinds)
+    if not 0.0 <= crease_degrees <= 180.0:
+        raise SceneError(f"crease_degrees must lie in [0, 180], got {crease_degrees}")
+    check_size(width, height)
+    scene = scene if camera is None else scene.replace(camera=camera)
+    scene, _ = with_defaults(scene, width / height, lights=False)
+    assert scene.camera is not None
+    standing = scene.camera.standing()
+    meter = Meter(on_progress, "draw")
+
+    def report(done: float) -> None:
+        if cancel is not None and cancel.is_set():
+            raise Cancelled
+        meter.report(done)
+
+    report(0.0)
+    surfaces = surfaces_of(scene, standing, width, height)
+    report(0.1)
+    sight = sight_lines(standing, width, height, surfaces.points)
+    found = thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight)
+    report(0.5)
+    parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
+    strokes = strokes_of(found, parts, sight)
+    lines = tuple(_line_of(stroke) for stroke in strokes if hidden or stroke.hidden_by == 0)
+    report(1.0)
+    names = tuple(placed.path for placed, _ in scene.shapes())
+    return Drawing(lines, width, height, standing, None if sight.perspective else sight.pixels, names)
+
+
+def _numbers_of(kinds: Sequence[LineKind]) -> dict[LineKind, int]:
+    """The rows of the kinds asked for; -1 for all others."""
+    if isinstance(kinds, str):
+        raise SceneError(f"kinds must be a sequence of kinds of lines, got {kinds!r}")
+    for kind in kinds:
+        if kind not in KINDS:
+            raise UnsupportedError(f"kinds must be of {', '.join(KINDS)}, got {kind!r}")
+    return {kind: row if kind in kinds else -1 for row, kind in enumerate(KINDS)}
+
+
+def _segments_of(
+    surfaces: Surfaces, sight: SightLines, numbers: dict[LineKind, int], crease_degrees: float, report: Callable[[float], object]
+) -> Segments:
+    """All pieces of lines, whatever hides them."""
+    wanted = Wanted(*(numbers[kind] for kind in ("boundary", "silhouette", "crease", "material", "uv_seam")))
+    parts = []
+    if max(wanted) >= 0:
+        faces = faces_of(surfaces, sight)
+        report(0.25)
+        parts.append(edge_segments(surfaces, faces, wanted, crease_degrees))
+    return joined(parts)
+
+
+def _line_of(stroke: Stroke) -> FeatureLine:
+    for array in (stroke.picture, stroke.depth, stroke.world):
+        array.flags.writeable = False
+    return FeatureLine(
+        KINDS[stroke.kind], stroke.picture, stroke.depth, stroke.world, stroke.hidden_by, stroke.instance, stroke.closed
+    )

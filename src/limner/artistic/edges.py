@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..mesh.adjacency import Adjacency, adjacency_of_triangles
 from ..mesh.normals import inner, triangle_vectors
+from .creases import lasting
 from .segments import Segments
 from .sight_lines import SightLines
 from .surfaces import Surfaces
@@ -108,6 +109,8 @@ def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degre
     turned = paired & ((faces.facing[s] > 0) != (facing_t > 0))
     cosine = (faces.normals[s] * faces.normals[t]).sum(axis=1) * np.where(alike, 1.0, -1.0)
     creased = branching | (paired & (cosine < math.cos(math.radians(crease_degrees))))
+    if wanted.crease >= 0:
+        creased = lasting(surfaces.points, adjacency.edges, creased, count == 1, _extents(surfaces)[surfaces.instance[s]])
     kind = np.full(len(count), -1, dtype=np.int64)
     tests = (
         (wanted.uv_seam, lambda: paired & _torn(surfaces, one, other, alike)),
@@ -125,6 +128,16 @@ def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degre
     none = np.full((len(found), 2), -1, dtype=np.int64)
     slack, own = np.full(len(found), _ON * surfaces.extent), np.zeros(len(found), dtype=np.int64)
     return Segments(kind[found], ends, none, slack, own, surfaces.instance[s[found]])
+
+
+def _extents(surfaces: Surfaces) -> Floats:
+    """Of every shape, metres."""
+    made = np.zeros(len(surfaces.shapes))
+    first = np.searchsorted(surfaces.instance, np.arange(len(made) + 1))
+    for number in range(len(made)):
+        held = surfaces.points[surfaces.triangles[first[number] : first[number + 1]]].reshape(-1, 3)
+        made[number] = np.linalg.norm(np.ptp(held, axis=0)) if len(held) else 0.0
+    return made
 
 
 def _torn(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], alike: Flags) -> Flags:

@@ -26,7 +26,9 @@ from ..scene.framing import with_defaults
 from ..scene.scene import Scene
 from ..tiles import Cancel, Cancelled
 from .chain import Stroke, strokes_of
+from .contours import smooth_silhouettes, suggestive_contours
 from .edges import Wanted, edge_segments, faces_of
+from .intersections import intersection_segments
 from .segments import Segments, joined
 from .sight_lines import SightLines, sight_lines
 from .surfaces import Surfaces, surfaces_of
@@ -205,6 +207,12 @@ def _segments_of(
         faces = faces_of(surfaces, sight)
         report(0.25)
         parts.append(edge_segments(surfaces, faces, wanted, crease_degrees))
+    if numbers["smooth_silhouette"] >= 0:
+        parts.append(smooth_silhouettes(surfaces, sight, numbers["smooth_silhouette"]))
+    if numbers["intersection"] >= 0:
+        parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
+    if numbers["suggestive_contour"] >= 0:
+        parts.append(suggestive_contours(surfaces, sight, numbers["suggestive_contour"]))
     return joined(parts)
 
 

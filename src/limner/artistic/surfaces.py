@@ -135,8 +135,10 @@ def _part(mesh: Mesh) -> _Part:
 def _extent(points: Floats, triangles: Indices) -> float:
     if not len(triangles):
         return 1.0
-    used = points[np.unique(triangles)]
-    return float(np.linalg.norm(used.max(axis=0) - used.min(axis=0)))
+    used = np.zeros(len(points), dtype=bool)
+    used[triangles] = True
+    held = points[used]
+    return float(np.linalg.norm(held.max(axis=0) - held.min(axis=0)))
 
 
 def corner_normals(surfaces: Surfaces) -> Floats:

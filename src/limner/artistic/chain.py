@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
+_LEAST_SMOOTH = 3.0  # pixels: for lines through triangles, which the mesh that they smooth may hide here and there
 _PASSES = 4  # in which short parts give way to those beside them
 
 
@@ -46,8 +47,8 @@ class _Chains(NamedTuple):
 
 
 class _Path(NamedTuple):
-    """Parts of pieces in the order of chains: of which line, from where to where, hidden by how many; and whether each goes on from the
-    one before."""
+    """Parts of pieces in the order of chains: of which line, from where to where, hidden by how many, of which chain; whether each goes on
+    from the one before; how long it is, and how long it must be to be seen, pixels."""
 
     line: Indices
     span: Floats
@@ -55,6 +56,7 @@ class _Path(NamedTuple):
     chain: Indices
     joined: NDArray[np.bool_]
     length: Floats
+    least: Floats
 
 
 def strokes_of(found: Thrown, parts: Parts, sight: SightLines) -> list[Stroke]:
@@ -159,7 +161,8 @@ def _path_of(found: Thrown, parts: Parts, chains: _Chains) -> _Path:
     goes_on[1:] = (chain[1:] == chain[:-1]) & (same | ((of[1:] == of[:-1] + 1) & whole_end[:-1] & whole_start[1:]))
     way = found.lines[line, 1, :2] - found.lines[line, 0, :2]
     length = np.hypot(way[:, 0], way[:, 1]) * np.abs(span[:, 1] - span[:, 0])
-    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length)
+    through = found.segments.triangles[line, 0] >= 0
+    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, np.where(through, _LEAST_SMOOTH, _LEAST))
 
 
 def _without_short(path: _Path) -> Indices:
@@ -174,7 +177,7 @@ def _without_short(path: _Path) -> Indices:
         joined = path.joined[first]
         before = np.where(joined, np.append(0.0, length[:-1]), 0.0)
         after = np.where(np.append(joined[1:], False), np.append(length[1:], 0.0), 0.0)
-        short = (length < _LEAST) & (np.maximum(before, after) > length)
+        short = (length < path.least[first]) & (np.maximum(before, after) > length)
         # Of two short ones side by side, the shorter first.
         short &= ~(np.append(False, short[:-1]) & (before < length)) & ~(np.append(short[1:], False) & (after < length))
         if not short.any():

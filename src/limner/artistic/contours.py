@@ -11,10 +11,13 @@ Their Derivatives on Triangle Meshes", 3DPVT 2004 (the tensor of curvature; ours
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .segments import Segments
+from ..mesh.adjacency import Adjacency
+from .segments import Segments, joined
 from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 
@@ -53,20 +56,71 @@ def _crossing(surfaces: Surfaces, values: Floats, rows: Indices, i: Indices, j: 
     return np.asarray(p + (f / (f - g))[:, None] * (q - p))
 
 
-def smooth_silhouettes(surfaces: Surfaces, sight: SightLines, kind: int) -> Segments:
-    """The zeros of n . e, with n between the corners' normals."""
+def smooth_silhouettes(surfaces: Surfaces, adjacency: Adjacency, sight: SightLines, kind: int) -> Segments:
+    """The zeros of n . e, with n between the corners' normals; and, where two triangles have others at their common edge, the parts of
+    the edge at which one of them faces the eye and the other does not."""
     normals = corner_normals(surfaces)
     corners = surfaces.points[surfaces.triangles]
     values = (normals * sight.towards(corners.reshape(-1, 3)).reshape(corners.shape)).sum(axis=2)
     values[~surfaces.bounded] = 1.0
     ends, rows = zero_segments(surfaces, values)
     gradient, _ = _gradient(corners[rows], values[rows])
-    inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
-    held, turned = corners[rows], normals[rows]
-    longest = np.linalg.norm(held - np.roll(held, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-    bent = np.linalg.norm(turned - np.roll(turned, 1, axis=1), axis=2).max(axis=1, initial=0.0)
     # Towards the eye n . e grows where the surface bends away, and falls where it hollows: there it hides its own silhouette.
-    return _segments(surfaces, kind, ends, rows, _BENT * longest * bent, inwards.astype(np.int64))
+    inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
+    smooth = _segments(surfaces, kind, ends, rows, _apart(corners[rows], normals[rows]), inwards.astype(np.int64))
+    ends, one, other = _jumps(surfaces, adjacency, values)
+    slack = np.maximum(_apart(corners[one], normals[one]), _apart(corners[other], normals[other]))
+    sharp = _segments(surfaces, kind, ends, one, slack, np.zeros(len(one), dtype=np.int64))
+    sharp.triangles[:, 1] = other
+    return joined([smooth, sharp])
+
+
+def _apart(corners: Floats, normals: Floats) -> Floats:
+    """How far triangles and the smooth surface that they stand for may be apart, (k,) metres."""
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+    bent = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2).max(axis=1, initial=0.0)
+    return np.asarray(_BENT * longest * bent)
+
+
+def _jumps(surfaces: Surfaces, adjacency: Adjacency, values: Floats) -> tuple[Floats, Indices, Indices]:
+    """The parts of edges at which values on both sides have opposite signs: ends (k, 2, 3), and the triangles on both sides, (k,) each."""
+    first = adjacency.edge_start[:-1][adjacency.edge_counts == 2]
+    one, other = adjacency.edge_halfedges[first].astype(np.int64), adjacency.edge_halfedges[first + 1].astype(np.int64)
+    flat, corner = values.reshape(-1), surfaces.triangles.reshape(-1)
+    f, g = _from_lesser(flat, corner, one), _from_lesser(flat, corner, other)
+    apart = ((f > 0.0) != (g > 0.0)).any(axis=0)
+    one, other, f, g = one[apart], other[apart], f[:, apart], g[:, apart]
+    following = np.where(one % 3 == 2, one - 2, one + 1)
+    p, q = np.sort(np.stack([corner[one], corner[following]]), axis=0)
+    p, q = surfaces.points[p], surfaces.points[q]
+    zeros = np.sort(np.stack([_zero(f), _zero(g)]), axis=0)
+    stops = np.stack([np.zeros(len(one)), zeros[0], zeros[1], np.ones(len(one))])
+    ends, rows = [], []
+    for a, b in itertools.pairwise(stops):
+        middle = 0.5 * (a + b)
+        parted = (a < b) & ((f[0] + middle * (f[1] - f[0]) > 0.0) != (g[0] + middle * (g[1] - g[0]) > 0.0))
+        row = np.flatnonzero(parted)
+        ends.append(np.stack([_on(p[row], q[row], a[row]), _on(p[row], q[row], b[row])], axis=1))
+        rows.append(row)
+    row = np.concatenate(rows)
+    return np.concatenate(ends), one[row] // 3, other[row] // 3
+
+
+def _from_lesser(flat: Floats, corner: Indices, half_edge: Indices) -> Floats:
+    """Values at the ends of half-edges, (2, k), that of the lesser point first."""
+    following = np.where(half_edge % 3 == 2, half_edge - 2, half_edge + 1)
+    swap = corner[half_edge] > corner[following]
+    return np.stack([flat[np.where(swap, following, half_edge)], flat[np.where(swap, half_edge, following)]])
+
+
+def _zero(f: Floats) -> Floats:
+    """Where values that go evenly from f[0] to f[1] pass through zero; 1: nowhere."""
+    mixed = (f[0] > 0.0) != (f[1] > 0.0)
+    return np.asarray(np.where(mixed, f[0] / np.where(mixed, f[0] - f[1], 1.0), 1.0))
+
+
+def _on(p: Floats, q: Floats, t: Floats) -> Floats:
+    return np.asarray(np.where((t == 1.0)[:, None], q, p + t[:, None] * (q - p)))
 
 
 def suggestive_contours(surfaces: Surfaces, sight: SightLines, kind: int) -> Segments:

@@ -44,6 +44,8 @@ KINDS: tuple[LineKind, ...] = (
 )  # fmt: skip
 DEFAULT_KINDS: tuple[LineKind, ...] = ("silhouette", "crease", "boundary", "material", "intersection")
 
+_LEAST_SUGGESTION = 8.0  # pixels
+
 
 @dataclass(frozen=True, eq=False)
 class FeatureLine:
@@ -181,7 +183,7 @@ def drawing_of(
     report(0.5)
     parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
     strokes = strokes_of(found, parts, sight)
-    lines = tuple(_line_of(stroke) for stroke in strokes if hidden or stroke.hidden_by == 0)
+    lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())
     return Drawing(lines, width, height, standing, None if sight.perspective else sight.pixels, names)
@@ -203,17 +205,22 @@ def _segments_of(
     """All pieces of lines, whatever hides them."""
     wanted = Wanted(*(numbers[kind] for kind in ("boundary", "silhouette", "crease", "material", "uv_seam")))
     parts = []
+    faces = faces_of(surfaces, sight)
+    report(0.25)
     if max(wanted) >= 0:
-        faces = faces_of(surfaces, sight)
-        report(0.25)
         parts.append(edge_segments(surfaces, faces, wanted, crease_degrees))
     if numbers["smooth_silhouette"] >= 0:
-        parts.append(smooth_silhouettes(surfaces, sight, numbers["smooth_silhouette"]))
+        parts.append(smooth_silhouettes(surfaces, faces.adjacency, sight, numbers["smooth_silhouette"]))
     if numbers["intersection"] >= 0:
         parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
     if numbers["suggestive_contour"] >= 0:
         parts.append(suggestive_contours(surfaces, sight, numbers["suggestive_contour"]))
     return joined(parts)
+
+
+def _is_hair(line: FeatureLine) -> bool:
+    """Whether it is too short to suggest anything; what is no mere suggestion stays, however short."""
+    return line.kind == "suggestive_contour" and line.length < _LEAST_SUGGESTION
 
 
 def _line_of(stroke: Stroke) -> FeatureLine:

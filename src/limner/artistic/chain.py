@@ -65,8 +65,8 @@ def strokes_of(found: Thrown, parts: Parts, sight: SightLines) -> list[Stroke]:
         return []
     chains = _chains_of(found)
     path = _path_of(found, parts, chains)
-    hidden_by = _without_short(path)
-    return _strokes(found, path, hidden_by, chains, sight)
+    path = _merged(path._replace(hidden_by=_without_short(path)))
+    return _strokes(found, path, chains, sight)
 
 
 # --- which pieces follow each other ---------------------------------------------------------------------------------------
@@ -176,10 +176,11 @@ def _without_short(path: _Path) -> Indices:
         length = np.add.reduceat(path.length, first)
         joined = path.joined[first]
         before = np.where(joined, np.append(0.0, length[:-1]), 0.0)
-        after = np.where(np.append(joined[1:], False), np.append(length[1:], 0.0), 0.0)
+        goes_on = np.append(joined[1:], False)
+        after = np.where(goes_on, np.append(length[1:], 0.0), 0.0)
         short = (length < path.least[first]) & (np.maximum(before, after) > length)
         # Of two short ones side by side, the shorter first.
-        short &= ~(np.append(False, short[:-1]) & (before < length)) & ~(np.append(short[1:], False) & (after < length))
+        short &= ~(joined & np.append(False, short[:-1]) & (before < length)) & ~(goes_on & np.append(short[1:], False) & (after < length))
         if not short.any():
             break
         number = hidden_by[first]
@@ -188,10 +189,24 @@ def _without_short(path: _Path) -> Indices:
     return hidden_by
 
 
+def _merged(path: _Path) -> _Path:
+    """Make one of parts of a line that one number of surfaces hides."""
+    goes_on = path.joined.copy()
+    goes_on[1:] &= (path.line[1:] == path.line[:-1]) & (path.hidden_by[1:] == path.hidden_by[:-1])
+    first = np.flatnonzero(~goes_on)
+    last = np.append(first[1:], len(goes_on)) - 1
+    span = np.stack([path.span[first, 0], path.span[last, 1]], axis=1)
+    return _Path(
+        path.line[first], span, path.hidden_by[first], path.chain[first], path.joined[first], np.add.reduceat(path.length, first),
+        path.least[first],
+    )  # fmt: skip
+
+
 # --- strokes --------------------------------------------------------------------------------------------------------------
 
 
-def _strokes(found: Thrown, path: _Path, hidden_by: Indices, chains: _Chains, sight: SightLines) -> list[Stroke]:
+def _strokes(found: Thrown, path: _Path, chains: _Chains, sight: SightLines) -> list[Stroke]:
+    hidden_by = path.hidden_by
     begins = ~path.joined.copy()
     begins[1:] |= hidden_by[1:] != hidden_by[:-1]
     first = np.flatnonzero(begins)

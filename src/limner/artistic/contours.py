@@ -27,10 +27,12 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _ON = 2e-7  # of the scene's extent: how far rounding to float32 moves a surface through a line that lies on it
+_EDGE_ON = 2e-7  # cosine between a normal and the ray to the eye: what rounding to float32 leaves of 0
+_AT_END = 1e-9  # of a side's length
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
 _SMOOTHED = 3  # times that curvature is averaged with that of the neighbours
 _LEAST_TURN = 0.2  # cosine between normal and ray: nearer to the silhouette there would be two lines for one
-_LEAST_CHANGE = 3.0  # of curvature along the surface towards the eye, times the square of the object's extent over 10
+_LEAST_CHANGE = 0.5  # of curvature along the surface towards the eye, times the square of the object's extent over 10
 
 
 def zero_segments(surfaces: Surfaces, values: Floats) -> tuple[Floats, Indices]:
@@ -53,7 +55,7 @@ def _crossing(surfaces: Surfaces, values: Floats, rows: Indices, i: Indices, j: 
     swap = a > b
     a, b, f, g = np.where(swap, b, a), np.where(swap, a, b), np.where(swap, g, f), np.where(swap, f, g)
     p, q = surfaces.points[a], surfaces.points[b]
-    return np.asarray(p + (f / (f - g))[:, None] * (q - p))
+    return _on(p, q, f / (f - g))
 
 
 def smooth_silhouettes(surfaces: Surfaces, adjacency: Adjacency, sight: SightLines, kind: int) -> Segments:
@@ -62,6 +64,8 @@ def smooth_silhouettes(surfaces: Surfaces, adjacency: Adjacency, sight: SightLin
     normals = corner_normals(surfaces)
     corners = surfaces.points[surfaces.triangles]
     values = (normals * sight.towards(corners.reshape(-1, 3)).reshape(corners.shape)).sum(axis=2)
+    distance = np.linalg.norm(sight.towards(corners.reshape(-1, 3)), axis=1).reshape(values.shape)
+    values[np.abs(values) < _EDGE_ON * distance] = 0.0
     values[~surfaces.bounded] = 1.0
     ends, rows = zero_segments(surfaces, values)
     gradient, _ = _gradient(corners[rows], values[rows])
@@ -120,7 +124,9 @@ def _zero(f: Floats) -> Floats:
 
 
 def _on(p: Floats, q: Floats, t: Floats) -> Floats:
-    return np.asarray(np.where((t == 1.0)[:, None], q, p + t[:, None] * (q - p)))
+    """Points at t between p and q; where t is 0 or 1 but for rounding, p and q themselves."""
+    between = p + t[:, None] * (q - p)
+    return np.asarray(np.where((t > 1.0 - _AT_END)[:, None], q, np.where((t < _AT_END)[:, None], p, between)))
 
 
 def suggestive_contours(surfaces: Surfaces, sight: SightLines, kind: int) -> Segments:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
+from ..mesh.components import component_labels
 from .segments import Segments, joined
 from .surfaces import Surfaces
 
@@ -66,11 +67,29 @@ def intersection_segments(surfaces: Surfaces, kind: int, on_progress: Callable[[
         on_progress(last / n)
     pairs, ends = np.sort(np.concatenate(pair_parts), axis=1), np.concatenate(end_parts)
     order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-    pairs, ends = pairs[order], ends[order]
+    pairs, ends = pairs[order], _snapped(ends[order], slack)
+    kept = (ends[:, 0] != ends[:, 1]).any(axis=1)
+    pairs, ends = pairs[kept], ends[kept]
     m = len(pairs)
     return Segments(
         np.full(m, kind), ends, pairs, np.full(m, slack), np.zeros(m, dtype=np.int64), surfaces.instance[pairs[:, 0]]
     )  # fmt: skip
+
+
+def _snapped(ends: Floats, slack: float) -> Floats:
+    """Ends, (k, 2, 3), those within `slack` of each other made one: where an edge meets an edge, rounding decides which pair of triangles
+    has the point."""
+    points = ends.reshape(-1, 3)
+    if not len(points):
+        return ends
+    pairs = []
+    for shift in np.ndindex(2, 2, 2):
+        cell = np.floor((points - points.min(axis=0)) / (2.0 * slack) + 0.5 * np.array(shift))
+        order = np.lexsort(cell.T)
+        same = (cell[order][1:] == cell[order][:-1]).all(axis=1)
+        pairs.append(np.stack([order[:-1][same], order[1:][same]]))
+    first, second = np.concatenate(pairs, axis=1)
+    return np.asarray(points[component_labels(len(points), first, second)].reshape(ends.shape))
 
 
 def _along_curve(middles: Floats) -> Indices:

@@ -110,9 +110,7 @@ class Drawing:
     def of(self, *kinds: LineKind, hidden: bool | None = None) -> tuple[FeatureLine, ...]:
         """The lines of some kinds (none: of all); with `hidden` only those that are hidden, or only those that are not."""
         return tuple(
-            line
-            for line in self.lines
-            if (not kinds or line.kind in kinds) and (hidden is None or (line.hidden_by > 0) == hidden)
+            line for line in self.lines if (not kinds or line.kind in kinds) and (hidden is None or (line.hidden_by > 0) == hidden)
         )
 
 
@@ -226,6 +224,4 @@ def _is_hair(line: FeatureLine) -> bool:
 def _line_of(stroke: Stroke) -> FeatureLine:
     for array in (stroke.picture, stroke.depth, stroke.world):
         array.flags.writeable = False
-    return FeatureLine(
-        KINDS[stroke.kind], stroke.picture, stroke.depth, stroke.world, stroke.hidden_by, stroke.instance, stroke.closed
-    )
+    return FeatureLine(KINDS[stroke.kind], stroke.picture, stroke.depth, stroke.world, stroke.hidden_by, stroke.instance, stroke.closed)

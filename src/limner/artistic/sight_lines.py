@@ -88,9 +88,7 @@ def sight_lines(camera: Camera, width: int, height: int, points: Floats) -> Sigh
     place = np.asarray(camera.world_from_camera, dtype=np.float64)
     K = camera.intrinsics(width, height)  # noqa: N806 - as it is known
     K[:2, 2] += 0.5
-    made = SightLines(
-        matrix, place[:3, 3], place[:3, 2] / np.linalg.norm(place[:3, 2]), K, perspective, -math.inf, math.inf, width, height
-    )
+    made = SightLines(matrix, place[:3, 3], place[:3, 2] / np.linalg.norm(place[:3, 2]), K, perspective, -math.inf, math.inf, width, height)
     near = -math.inf if camera.near is None else camera.near
     if perspective and camera.near is None:
         near = max(_NEAR * float(made.depths(points).max(initial=0.0)), 1e-30)

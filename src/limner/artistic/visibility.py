@@ -182,9 +182,7 @@ def parts_of(
         span_parts.append(hidden[:n].copy())
         on_progress(last / len(triangles))
     none = (np.zeros(0, dtype=np.int64), np.zeros((0, 2)))
-    return _laid_over(
-        found, np.concatenate(line_parts) if line_parts else none[0], np.concatenate(span_parts) if span_parts else none[1]
-    )
+    return _laid_over(found, np.concatenate(line_parts) if line_parts else none[0], np.concatenate(span_parts) if span_parts else none[1])
 
 
 def _grid_of(found: Thrown, width: int, height: int) -> _Grid:

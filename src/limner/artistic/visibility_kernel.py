@@ -47,8 +47,24 @@ def _cell(x: float, size: float, count: int) -> int:
 
 @kernel
 def find_hidden(
-    triangles, source, first, last, lines, own, slack, cell_start, piece_line, pieces, size, columns, rows, scale, perspective,
-    hidden_line, hidden, count,
+    triangles,
+    source,
+    first,
+    last,
+    lines,
+    own,
+    slack,
+    cell_start,
+    piece_line,
+    pieces,
+    size,
+    columns,
+    rows,
+    scale,
+    perspective,
+    hidden_line,
+    hidden,
+    count,
 ):
     """List what hides what.
 

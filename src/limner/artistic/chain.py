@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
-_LEAST_SMOOTH = 3.0  # pixels: for lines through triangles, which the mesh that they smooth may hide here and there
+_LEAST_SMOOTH = 3.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
 _PASSES = 4  # in which short parts give way to those beside them
 
 
@@ -59,12 +59,12 @@ class _Path(NamedTuple):
     least: Floats
 
 
-def strokes_of(found: Thrown, parts: Parts, sight: SightLines) -> list[Stroke]:
-    """Join what visibility has parted."""
+def strokes_of(found: Thrown, parts: Parts, sight: SightLines, smooth: int) -> list[Stroke]:
+    """Join what visibility has parted; `smooth` is the kind of silhouettes that run beside those of the mesh."""
     if not len(parts.line):
         return []
     chains = _chains_of(found)
-    path = _path_of(found, parts, chains)
+    path = _path_of(found, parts, chains, smooth)
     path = _merged(path._replace(hidden_by=_without_short(path)))
     return _strokes(found, path, chains, sight)
 
@@ -144,7 +144,7 @@ def _pair_straightest(lines: Floats, ends: Indices, partner: Indices) -> None:
 # --- their parts, one after the other -------------------------------------------------------------------------------------
 
 
-def _path_of(found: Thrown, parts: Parts, chains: _Chains) -> _Path:
+def _path_of(found: Thrown, parts: Parts, chains: _Chains, smooth: int) -> _Path:
     n = len(found.segments.kind)
     first = np.searchsorted(parts.line, np.arange(n + 1))
     count = np.diff(first)[chains.piece]
@@ -161,8 +161,8 @@ def _path_of(found: Thrown, parts: Parts, chains: _Chains) -> _Path:
     goes_on[1:] = (chain[1:] == chain[:-1]) & (same | ((of[1:] == of[:-1] + 1) & whole_end[:-1] & whole_start[1:]))
     way = found.lines[line, 1, :2] - found.lines[line, 0, :2]
     length = np.hypot(way[:, 0], way[:, 1]) * np.abs(span[:, 1] - span[:, 0])
-    through = found.segments.triangles[line, 0] >= 0
-    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, np.where(through, _LEAST_SMOOTH, _LEAST))
+    least = np.where(found.segments.kind[line] == smooth, _LEAST_SMOOTH, _LEAST)
+    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, least)
 
 
 def _without_short(path: _Path) -> Indices:

@@ -24,7 +24,7 @@ from ..mesh.normals import inner, triangle_vectors
 from .creases import lasting
 from .segments import Segments
 from .sight_lines import SightLines
-from .surfaces import Surfaces
+from .surfaces import Surfaces, corner_normals
 
 __all__ = ["Faces", "Wanted", "edge_segments", "faces_of"]
 
@@ -110,6 +110,8 @@ def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degre
     cosine = (faces.normals[s] * faces.normals[t]).sum(axis=1) * np.where(alike, 1.0, -1.0)
     creased = branching | (paired & (cosine < math.cos(math.radians(crease_degrees))))
     if wanted.crease >= 0:
+        limit = math.cos(math.radians(crease_degrees))
+        creased[creased & paired & surfaces.exact[s]] = _bent(surfaces, one, other, creased & paired & surfaces.exact[s], limit)
         creased = lasting(surfaces.points, adjacency.edges, creased, count == 1, _extents(surfaces)[surfaces.instance[s]])
     kind = np.full(len(count), -1, dtype=np.int64)
     tests = (
@@ -128,6 +130,17 @@ def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degre
     none = np.full((len(found), 2), -1, dtype=np.int64)
     slack, own = np.full(len(found), _ON * surfaces.extent), np.zeros(len(found), dtype=np.int64)
     return Segments(kind[found], ends, none, slack, own, surfaces.instance[s[found]])
+
+
+def _bent(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], which: Flags, limit: float) -> Flags:
+    """Of some edges of exact shapes, whether the shape bends there, and not only the triangles that stand for it."""
+    if not which.any():
+        return np.zeros(0, dtype=bool)
+    normals = corner_normals(surfaces).reshape(-1, 3)
+    a, b = one[which], other[which]
+    after_a, after_b = (np.where(k % 3 == 2, k - 2, k + 1) for k in (a, b))
+    cosines = [(normals[p] * normals[q]).sum(axis=1) for p, q in ((a, after_b), (after_a, b))]
+    return np.asarray((cosines[0] < limit) | (cosines[1] < limit))
 
 
 def _extents(surfaces: Surfaces) -> Floats:

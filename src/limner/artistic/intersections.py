@@ -66,6 +66,9 @@ def intersection_segments(surfaces: Surfaces, kind: int, on_progress: Callable[[
         end_parts.append(ends[: count[0]].copy())
         on_progress(last / n)
     pairs, ends = np.sort(np.concatenate(pair_parts), axis=1), np.concatenate(end_parts)
+    # An exact shape does not run through itself, whatever rounding does to the triangles around its poles.
+    apart = ~(surfaces.exact[pairs[:, 0]] & (surfaces.instance[pairs[:, 0]] == surfaces.instance[pairs[:, 1]]))
+    pairs, ends = pairs[apart], ends[apart]
     order = np.lexsort((pairs[:, 1], pairs[:, 0]))
     pairs, ends = pairs[order], _snapped(ends[order], slack)
     kept = (ends[:, 0] != ends[:, 1]).any(axis=1)

@@ -180,7 +180,7 @@ def drawing_of(
     found = thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight)
     report(0.5)
     parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
-    strokes = strokes_of(found, parts, sight)
+    strokes = strokes_of(found, parts, sight, numbers["smooth_silhouette"])
     lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())

@@ -43,6 +43,8 @@ class Surfaces(NamedTuple):
         Which of the shape's materials.
     uvs : (m, 3, 2) float32
         Texture coordinates at the corners; 0 where there are none.
+    exact : (m,) bool
+        Of a shape that its triangles only stand for; their normals are its own.
     bounded : (m,) bool
         False: of the disk that stands for an infinite plane, whose rim is nowhere.
     extent : float
@@ -56,6 +58,7 @@ class Surfaces(NamedTuple):
     instance: Indices
     material: Indices
     uvs: NDArray[np.float32]
+    exact: NDArray[np.bool_]
     bounded: NDArray[np.bool_]
     extent: float
     shapes: tuple[tuple[Mesh, Floats], ...]
@@ -80,7 +83,7 @@ def surfaces_of(scene: Scene, camera: Camera, width: int, height: int) -> Surfac
     stand_ins, reliefs = StandIns(), Reliefs()
     known: dict[int, _Part] = {}
     meshes: list[tuple[Mesh, Floats]] = []
-    points, triangles, instance, material, uvs, bounded = [], [], [], [], [], []
+    points, triangles, instance, material, uvs, exact, bounded = [], [], [], [], [], [], []
     n_points = 0
     for number, (placed, shape) in enumerate(scene.shapes()):
         mesh, matrix = _mesh_of(placed, shape, sight, stand_ins, reliefs), placed.world_from_object
@@ -96,16 +99,18 @@ def surfaces_of(scene: Scene, camera: Camera, width: int, height: int) -> Surfac
         instance.append(np.full(int(whole.sum()), number))
         material.append(part.material[whole])
         uvs.append((part.uvs if corners is part.triangles else part.uvs[:, ::-1])[whole])
+        exact.append(np.full(int(whole.sum()), not isinstance(shape.geometry, Mesh) and shape.displacement is None))
         bounded.append(np.full(int(whole.sum()), not isinstance(shape.geometry, Plane)))
         n_points += len(where)
     if not points:
         return Surfaces(
             np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64),
-            np.zeros((0, 3, 2), dtype=np.float32), np.zeros(0, dtype=bool), 0.0, (),
+            np.zeros((0, 3, 2), dtype=np.float32), np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), 0.0, (),
         )  # fmt: skip
     all_points, all_triangles, all_bounded = np.concatenate(points), np.concatenate(triangles), np.concatenate(bounded)
     return Surfaces(
-        all_points, all_triangles, np.concatenate(instance), np.concatenate(material), np.concatenate(uvs), all_bounded,
+        all_points, all_triangles, np.concatenate(instance), np.concatenate(material), np.concatenate(uvs), np.concatenate(exact),
+        all_bounded,
         _extent(all_points, all_triangles[all_bounded]), tuple(meshes),
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.adjacency import Adjacency
-from .segments import Segments, joined
+from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 
@@ -26,7 +26,6 @@ __all__ = ["curvature_tensors", "smooth_silhouettes", "suggestive_contours", "ze
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_ON = 2e-7  # of the scene's extent: how far rounding to float32 moves a surface through a line that lies on it
 _EDGE_ON = 2e-7  # cosine between a normal and the ray to the eye: what rounding to float32 leaves of 0
 _AT_END = 1e-9  # of a side's length
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
@@ -157,7 +156,7 @@ def suggestive_contours(surfaces: Surfaces, sight: SightLines, kind: int) -> Seg
 
 def _segments(surfaces: Surfaces, kind: int, ends: Floats, rows: Indices, slack: Floats, hidden: Indices) -> Segments:
     own = np.stack([rows, np.full(len(rows), -1)], axis=1)
-    return Segments(np.full(len(rows), kind), ends, own, slack + _ON * surfaces.extent, hidden, surfaces.instance[rows])
+    return Segments(np.full(len(rows), kind), ends, own, slack + ROUNDING * surfaces.extent, hidden, surfaces.instance[rows])
 
 
 def _gradient(corners: Floats, values: Floats) -> tuple[Floats, Floats]:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..mesh.adjacency import Adjacency, adjacency_of_triangles
 from ..mesh.normals import inner, triangle_vectors
 from .creases import lasting
-from .segments import Segments
+from .segments import ROUNDING, Segments
 from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 
@@ -34,7 +34,6 @@ Indices = NDArray[np.int64]
 
 _EDGE_ON = 1e-7  # sine of the angle between a triangle and the ray to the eye: what rounding to float32 leaves of 0
 _SLIVER = 1e-6  # height by longest side of a triangle whose normal is noise
-_ON = 2e-7  # of the scene's extent: how far rounding to float32 moves a surface through a line that lies on it
 
 
 class Faces(NamedTuple):
@@ -96,51 +95,72 @@ def _borrow(adjacency: Adjacency, sides: Floats, rows: Indices, sliver: Flags, n
 
 def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees: float) -> Segments:
     """The edges that are lines of a drawing, each once."""
-    adjacency = faces.adjacency
-    count, first = adjacency.edge_counts, adjacency.edge_start[:-1]
-    one = adjacency.edge_halfedges[first] if len(first) else first
-    other = adjacency.edge_halfedges[np.minimum(first + 1, max(len(adjacency.edge_halfedges) - 1, 0))] if len(first) else first
-    s, t = one // 3, other // 3
-    paired, branching = count == 2, count > 2
-    bounded = surfaces.bounded[s]
-    # Where both half-edges run the same way, one of the triangles is turned over.
-    alike = adjacency.triangles.reshape(-1)[one] != adjacency.triangles.reshape(-1)[other]
-    facing_t = np.where(alike, faces.facing[t], -faces.facing[t])
-    turned = paired & ((faces.facing[s] > 0) != (facing_t > 0))
-    cosine = (faces.normals[s] * faces.normals[t]).sum(axis=1) * np.where(alike, 1.0, -1.0)
-    creased = branching | (paired & (cosine < math.cos(math.radians(crease_degrees))))
-    if wanted.crease >= 0:
-        limit = math.cos(math.radians(crease_degrees))
-        creased[creased & paired & surfaces.exact[s]] = _bent(surfaces, one, other, creased & paired & surfaces.exact[s], limit)
-        creased = lasting(surfaces.points, adjacency.edges, creased, count == 1, _extents(surfaces)[surfaces.instance[s]])
-    kind = np.full(len(count), -1, dtype=np.int64)
-    tests = (
-        (wanted.uv_seam, lambda: paired & _torn(surfaces, one, other, alike)),
-        (wanted.material, lambda: paired & (surfaces.material[s] != surfaces.material[t])),
-        (wanted.crease, lambda: creased),
-        (wanted.silhouette, lambda: turned),
-        (wanted.boundary, lambda: count == 1),
-    )
-    for number, holds in tests:
-        if number >= 0:
-            kind[holds()] = number
-    kind[~bounded] = -1
+    kind = _kinds_of(surfaces, faces, _beside(faces.adjacency), wanted, crease_degrees)
     found = np.flatnonzero(kind >= 0)
-    ends = surfaces.points[adjacency.edges[found]]
+    ends = surfaces.points[faces.adjacency.edges[found]]
     none = np.full((len(found), 2), -1, dtype=np.int64)
-    slack, own = np.full(len(found), _ON * surfaces.extent), np.zeros(len(found), dtype=np.int64)
-    return Segments(kind[found], ends, none, slack, own, surfaces.instance[s[found]])
+    slack, own = np.full(len(found), ROUNDING * surfaces.extent), np.zeros(len(found), dtype=np.int64)
+    return Segments(kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
 
 
-def _bent(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], which: Flags, limit: float) -> Flags:
+class _Beside(NamedTuple):
+    """The half-edges of edges: the first two (the first twice where there is one), how many there are, and whether the two run against
+    each other, as they do where both triangles have the same side out."""
+
+    one: NDArray[np.int32]
+    other: NDArray[np.int32]
+    count: NDArray[np.int32]
+    alike: Flags
+
+
+def _beside(adjacency: Adjacency) -> _Beside:
+    count, first = adjacency.edge_counts, adjacency.edge_start[:-1]
+    one, other = adjacency.edge_halfedges[first], adjacency.edge_halfedges[first + (count > 1)]
+    start = adjacency.triangles.reshape(-1)
+    return _Beside(one, other, count, start[one] != start[other])
+
+
+def _kinds_of(surfaces: Surfaces, faces: Faces, beside: _Beside, wanted: Wanted, crease_degrees: float) -> Indices:
+    """(k,) int64: of what kind each edge is; -1: it is no line."""
+    one, other, count, alike = beside
+    s, t = one // 3, other // 3
+    paired = count == 2
+    kind = np.full(len(count), -1, dtype=np.int64)
+    # What comes later counts more.
+    if wanted.uv_seam >= 0:
+        kind[paired & _torn(surfaces, one, other, alike)] = wanted.uv_seam
+    if wanted.material >= 0:
+        kind[paired & (surfaces.material[s] != surfaces.material[t])] = wanted.material
+    if wanted.crease >= 0:
+        kind[_creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))] = wanted.crease
+    if wanted.silhouette >= 0:
+        facing = np.where(alike, faces.facing[t], -faces.facing[t])
+        kind[paired & ((faces.facing[s] > 0) != (facing > 0))] = wanted.silhouette
+    if wanted.boundary >= 0:
+        kind[count == 1] = wanted.boundary
+    kind[~surfaces.bounded[s]] = -1
+    return kind
+
+
+def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) -> Flags:
+    """Which edges turn by more than an angle, whose cosine is given, or have more than two triangles."""
+    one, other, count, alike = beside
+    cosine = (faces.normals[one // 3] * faces.normals[other // 3]).sum(axis=1) * np.where(alike, 1.0, -1.0)
+    paired = (count == 2) & (cosine < limit)
+    exact = paired & surfaces.exact[one // 3]
+    paired[exact] = _bent(surfaces, one[exact], other[exact], limit)
+    extents = _extents(surfaces)[surfaces.instance[one // 3]]
+    return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents)
+
+
+def _bent(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], limit: float) -> Flags:
     """Of some edges of exact shapes, whether the shape bends there, and not only the triangles that stand for it."""
-    if not which.any():
+    if not len(one):
         return np.zeros(0, dtype=bool)
     normals = corner_normals(surfaces).reshape(-1, 3)
-    a, b = one[which], other[which]
-    after_a, after_b = (np.where(k % 3 == 2, k - 2, k + 1) for k in (a, b))
-    cosines = [(normals[p] * normals[q]).sum(axis=1) for p, q in ((a, after_b), (after_a, b))]
-    return np.asarray((cosines[0] < limit) | (cosines[1] < limit))
+    after, before = (np.where(k % 3 == 2, k - 2, k + 1) for k in (one, other))
+    first, second = ((normals[p] * normals[q]).sum(axis=1) for p, q in ((one, before), (after, other)))
+    return np.asarray((first < limit) | (second < limit))
 
 
 def _extents(surfaces: Surfaces) -> Floats:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
 from ..mesh.components import component_labels
-from .segments import Segments, joined
+from .segments import ROUNDING, Segments, joined
 from .surfaces import Surfaces
 
 __all__ = ["intersection_segments"]
@@ -24,7 +24,6 @@ __all__ = ["intersection_segments"]
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_ON = 2e-7  # of the scene's extent: how far rounding to float32 moves a surface that touches another
 _AT_ONCE = 1 << 16  # triangles between two looks at whether to go on
 _STACK = 128
 _BITS = 20  # of each coordinate along the curve
@@ -50,7 +49,7 @@ def intersection_segments(surfaces: Surfaces, kind: int, on_progress: Callable[[
     order = np.argsort(_along_curve((low + high) / 2.0), kind="stable")
     boxes = _tree(low[order], high[order])
     triangles = np.ascontiguousarray(surfaces.triangles[order])
-    slack = _ON * surfaces.extent
+    slack = ROUNDING * surfaces.extent
     room, count = 1 << 12, np.zeros(1, dtype=np.int64)
     stack, scratch = np.empty(_STACK, dtype=np.int64), np.empty((6, 3))
     pair_parts, end_parts = [], []

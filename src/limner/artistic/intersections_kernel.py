@@ -99,7 +99,19 @@ def _common(points: Floats, triangles: Indices, i: int, j: int, slack: float, ma
 
 
 @kernel
-def find_meetings(points, triangles, boxes, slack, first, last, stack, scratch, pairs, ends, count):
+def find_meetings(
+    points: Floats,
+    triangles: Indices,
+    boxes: Floats,
+    slack: float,
+    first: int,
+    last: int,
+    stack: Indices,
+    scratch: Floats,
+    pairs: Indices,
+    ends: Floats,
+    count: Indices,
+) -> None:
     """List the triangles that meet, and in which lines.
 
     `boxes` are the nodes of a full binary tree: 1 is the root, the children of k are 2 k and 2 k + 1, its leaves are the `triangles` in

@@ -27,6 +27,7 @@ from ..scene.scene import Scene
 from ..tiles import Cancel, Cancelled
 from .chain import Stroke, strokes_of
 from .contours import smooth_silhouettes, suggestive_contours
+from .doubles import without_doubles
 from .edges import Wanted, edge_segments, faces_of
 from .intersections import intersection_segments
 from .segments import Segments, joined
@@ -154,7 +155,7 @@ def drawing_of(
     Notes
     -----
     Exact shapes are drawn by the triangles that stand for them, a tenth of a pixel from their surface; infinite planes have no lines but
-    those in which other surfaces meet them.
+    those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn.
 
     **Source**: FoCG 10.3.1.
     """
@@ -177,7 +178,7 @@ def drawing_of(
     surfaces = surfaces_of(scene, standing, width, height)
     report(0.1)
     sight = sight_lines(standing, width, height, surfaces.points)
-    found = thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight)
+    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight))
     report(0.5)
     parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
     strokes = strokes_of(found, parts, sight, numbers["smooth_silhouette"])

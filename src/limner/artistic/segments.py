@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Segments", "joined", "no_segments"]
+__all__ = ["ROUNDING", "Segments", "joined", "no_segments"]
+
+ROUNDING = 2e-7  # of the scene's extent: how far rounding to float32 moves a surface through a line that lies on it
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -42,7 +44,14 @@ class Segments(NamedTuple):
 
     def where(self, chosen: NDArray[np.bool_] | Indices) -> Segments:
         """Some of the pieces."""
-        return Segments(*(column[chosen] for column in self))
+        return Segments(
+            self.kind[chosen],
+            self.ends[chosen],
+            self.triangles[chosen],
+            self.slack[chosen],
+            self.hidden[chosen],
+            self.instance[chosen],
+        )
 
 
 def no_segments() -> Segments:
@@ -55,4 +64,11 @@ def joined(parts: Sequence[Segments]) -> Segments:
     """Pieces one after the other."""
     if not parts:
         return no_segments()
-    return Segments(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return Segments(
+        np.concatenate([part.kind for part in parts]),
+        np.concatenate([part.ends for part in parts]),
+        np.concatenate([part.triangles for part in parts]),
+        np.concatenate([part.slack for part in parts]),
+        np.concatenate([part.hidden for part in parts]),
+        np.concatenate([part.instance for part in parts]),
+    )

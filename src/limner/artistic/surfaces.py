@@ -92,7 +92,8 @@ def surfaces_of(scene: Scene, camera: Camera, width: int, height: int) -> Surfac
             known[id(mesh)] = _part(mesh)
         part = known[id(mesh)]
         where = part.points @ matrix[:3, :3].T + matrix[:3, 3]
-        whole = np.isfinite(where).all(axis=1)[part.triangles].all(axis=1)
+        finite = np.asarray(np.isfinite(where).all(axis=1))
+        whole = np.asarray(finite[part.triangles].all(axis=1))
         corners = part.triangles if np.linalg.det(matrix[:3, :3]) >= 0.0 else part.triangles[:, ::-1]
         points.append(where)
         triangles.append(corners[whole] + n_points)

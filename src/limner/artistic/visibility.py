@@ -81,7 +81,7 @@ class Parts(NamedTuple):
 def thrown(segments: Segments, sight: SightLines) -> Thrown:
     """Throw segments on the picture, cut by the near plane, the far plane and the picture's edges."""
     depth = sight.depths(segments.ends)
-    kept = (depth > sight.near).any(axis=1) & (depth < sight.far).any(axis=1) & np.isfinite(depth).all(axis=1)
+    kept = np.asarray((depth > sight.near).any(axis=1) & (depth < sight.far).any(axis=1) & np.isfinite(depth).all(axis=1))
     segments, depth = segments.where(kept), depth[kept]
     ends = segments.ends.copy()
     for limit, sign in ((sight.near, -1.0), (sight.far, 1.0)):

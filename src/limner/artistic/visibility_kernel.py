@@ -47,25 +47,25 @@ def _cell(x: float, size: float, count: int) -> int:
 
 @kernel
 def find_hidden(
-    triangles,
-    source,
-    first,
-    last,
-    lines,
-    own,
-    slack,
-    cell_start,
-    piece_line,
-    pieces,
-    size,
-    columns,
-    rows,
-    scale,
-    perspective,
-    hidden_line,
-    hidden,
-    count,
-):
+    triangles: Floats,
+    source: Indices,
+    first: int,
+    last: int,
+    lines: Floats,
+    own: Indices,
+    slack: Floats,
+    cell_start: Indices,
+    piece_line: Indices,
+    pieces: Floats,
+    size: float,
+    columns: int,
+    rows: int,
+    scale: float,
+    perspective: int,
+    hidden_line: Indices,
+    hidden: Floats,
+    count: Indices,
+) -> None:
     """List what hides what.
 
     `triangles` are rows (ax, ay, aq, bx, …) on the picture, `source` their numbers, of which `first` to `last` are looked at; `lines` rows

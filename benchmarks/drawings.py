@@ -26,7 +26,7 @@ import numpy as np
 from pairs import LEAST_PAIRS, quartiles
 
 from limner import load
-from limner.artistic.lines import drawing_of
+from limner.artistic.lines import LineKind, drawing_of
 from limner.mesh.mesh import Mesh
 from limner.mesh.primitives import torus
 from limner.scene.camera import OrthographicCamera
@@ -143,7 +143,7 @@ def ours(mesh: Mesh) -> tuple[float, float]:
     """The processor's time of a drawing of all edges, and the length of those that are seen, metres."""
     scene = Scene(root=Node(shapes=(Shape(mesh, (Lambert(),)),)))
     camera = OrthographicCamera.look_at((5.0, 5.0, 5.0), (0.0, 0.0, 0.0), height=3.0)
-    kinds = ("silhouette", "boundary", "crease")
+    kinds: tuple[LineKind, ...] = ("silhouette", "boundary", "crease")
     drawing_of(scene, camera, width=1000, height=1000, kinds=kinds, crease_degrees=0.0)
     started = time.process_time()
     drawing = drawing_of(scene, camera, width=1000, height=1000, kinds=kinds, crease_degrees=0.0)

@@ -22,6 +22,7 @@ Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
 _LEAST_SMOOTH = 3.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_STAR = 32  # lines that meet in a point: more are rays of a star, each of which is a stroke
 _PASSES = 4  # in which short parts give way to those beside them
 
 
@@ -111,8 +112,8 @@ def _partners(found: Thrown) -> Indices:
     partner = np.full(2 * n, -1, dtype=np.int64)
     one, other = order[first[count == 2]], order[first[count == 2] + 1]
     partner[one], partner[other] = other, one
-    for k in np.flatnonzero(count > 2).tolist():
-        _pair_straightest(found.lines, order[first[k] : first[k] + count[k]], partner)
+    for n_ends in np.unique(count[(count > 2) & (count <= _STAR)]).tolist():
+        _pair_straightest(found.lines, order[first[count == n_ends][:, None] + np.arange(n_ends)], partner)
     return partner
 
 
@@ -128,17 +129,24 @@ def _groups(ends: Floats, kind: Indices, instance: Indices) -> Indices:
 
 
 def _pair_straightest(lines: Floats, ends: Indices, partner: Indices) -> None:
-    """Of the ends that meet in a point, let those go on into each other that turn least, by less than a right angle."""
-    rows, side = ends >> 1, ends & 1
-    way = lines[rows, 1 - side, :2] - lines[rows, side, :2]
-    length = np.hypot(way[:, 0], way[:, 1])
-    way = way / np.where(length > 0.0, length, 1.0)[:, None]
-    i, j = np.triu_indices(len(ends), 1)
-    straight = (way[i] * way[j]).sum(axis=1)
-    for k in np.argsort(straight, kind="stable").tolist():
-        a, b = int(ends[i[k]]), int(ends[j[k]])
-        if straight[k] < 0.0 and partner[a] < 0 and partner[b] < 0 and a >> 1 != b >> 1:
-            partner[a], partner[b] = b, a
+    """Of the ends that meet in points, one row of `ends` each, let those go on into each other that turn least, by less than a right
+    angle."""
+    piece, side = ends >> 1, ends & 1
+    way = lines[piece, 1 - side, :2] - lines[piece, side, :2]
+    length = np.hypot(way[:, :, 0], way[:, :, 1])
+    way = way / np.where(length > 0.0, length, 1.0)[:, :, None]
+    i, j = np.triu_indices(ends.shape[1], 1)
+    turn = (way[:, i] * way[:, j]).sum(axis=2)
+    turn[piece[:, i] == piece[:, j]] = 1.0
+    rows = np.arange(len(ends))
+    for _ in range(ends.shape[1] // 2):
+        least = turn.argmin(axis=1)
+        rows = rows[turn[rows, least[rows]] < 0.0]
+        a, b = i[least[rows]], j[least[rows]]
+        partner[ends[rows, a]], partner[ends[rows, b]] = ends[rows, b], ends[rows, a]
+        # Neither goes on anywhere else.
+        taken = (i == a[:, None]) | (j == a[:, None]) | (i == b[:, None]) | (j == b[:, None])
+        turn[rows] = np.where(taken, 1.0, turn[rows])
 
 
 # --- their parts, one after the other -------------------------------------------------------------------------------------

@@ -109,7 +109,7 @@ class _Beside(NamedTuple):
 
     one: NDArray[np.int32]
     other: NDArray[np.int32]
-    count: NDArray[np.int32]
+    n_triangles: NDArray[np.int32]
     alike: Flags
 
 

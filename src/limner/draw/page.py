@@ -30,7 +30,7 @@ from .path import Path
 from .stroke import Pen
 from .text import ALIGNS, Text, measure
 
-__all__ = ["UNITS", "Caption", "Dots", "Layer", "Mark", "Page", "Patch", "Run", "Trace", "advance", "page_image", "runs"]
+__all__ = ["UNITS", "Caption", "Dots", "Layer", "Mark", "Page", "Patch", "Run", "Trace", "advance", "page_image", "paint_layers", "runs"]
 
 Floats = NDArray[np.float64]
 
@@ -191,11 +191,15 @@ def page_image(page: Page, dpi: float = 96.0) -> Image:
         raise SceneError(f"dpi must be positive, got {dpi}")
     finer = dpi / 25.4 * page.millimetres
     sides = [max(1, math.ceil(side * finer - 1e-6)) for side in (page.width, page.height)]
-    canvas = Canvas(sides[0], sides[1], page.ground)
-    for layer in page.layers:
+    return paint_layers(Canvas(sides[0], sides[1], page.ground), page.layers, finer).image()
+
+
+def paint_layers(canvas: Canvas, layers: Sequence[Layer], finer: float = 1.0) -> Canvas:
+    """Paint layers over a canvas, on which the page's unit measures `finer` pixels."""
+    for layer in layers:
         for run in runs(layer):
             _paint(canvas, run, finer)
-    return canvas.image()
+    return canvas
 
 
 def _paint(canvas: Canvas, run: Run, finer: float) -> None:

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from ..artistic.lines import DEFAULT_KINDS, Drawing, LineKind
-from ..artistic.plate import page_of
+from ..artistic.plate import page_of, placing
 from ..artistic.style import LineStyle, line_style
-from ..draw.ink import Ink
+from ..draw.ink import Ink, Rgba, ink
 from ..draw.page import Page, page_image
 from ..errors import UnsupportedError
 from ..image.image import Image
@@ -29,8 +29,9 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from .folder import put
 
-__all__ = ["VECTOR_EXTENSIONS", "Plate", "check_plate", "drawing"]
+__all__ = ["TONES", "VECTOR_EXTENSIONS", "Plate", "check_plate", "drawing"]
 
+TONES = ("hatching", "stippling")
 VECTOR_EXTENSIONS = (".svg", ".pdf", ".dxf")
 
 
@@ -116,10 +117,13 @@ def drawing(
     style: LineStyle | str = "plain",
     kinds: Sequence[LineKind] = DEFAULT_KINDS,
     crease_degrees: float = 30.0,
+    tone: str | None = None,
+    fill: bool = False,
     scale: float | None = None,
     unit_mm: float = 1000.0,
     background: Ink | None = "white",
     title: str = "",
+    threads: int | None = None,
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
 ) -> Plate:
@@ -139,6 +143,11 @@ def drawing(
         Which lines: "silhouette", "smooth_silhouette", "crease", "boundary", "material", "uv_seam", "intersection", "suggestive_contour".
     crease_degrees : float from 0 to 180
         The least turn of a crease.
+    tone : "hatching" | "stippling", optional
+        How light and shade are shown, as `raster` sees them; None: not at all.
+    fill : bool
+        Whether what is seen of each shape is filled with its mean colour, as areas under the lines: vectors, too, in the painter's order.
+        Shapes that pierce or entwine each other are cut by planes, for which a scene may have 10,000 triangles.
     scale : float > 0, optional
         Millimetres on paper for each of the model, where the camera is parallel; None: the page is in pixels.
     unit_mm : float > 0
@@ -147,7 +156,7 @@ def drawing(
         None: transparent.
     title : str
         For the files that hold one; "": the scene's name.
-    on_progress, cancel
+    threads, on_progress, cancel
         As for `limner.render`.
 
     Returns
@@ -160,10 +169,23 @@ def drawing(
     from ..files.interop import as_scene
 
     chosen = line_style(style)
+    if tone not in (None, *TONES):
+        raise UnsupportedError(f"tone must be one of {', '.join(TONES)}, got {tone!r}")
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
     made = drawing_of(
         scene, camera, width=width, height=height, kinds=kinds, crease_degrees=crease_degrees, hidden=chosen.shows_hidden,
         on_progress=on_progress, cancel=cancel,
     )  # fmt: skip
-    page = page_of(made, chosen, scale=scale, unit_mm=unit_mm, background=background, title=title or scene.name)
+    below = []
+    if tone is not None or fill:
+        from .shade import shade_layers
+
+        place = placing(made, scale, unit_mm)
+        below = shade_layers(scene, made, place, tone=tone, fill=fill, color=_color_of(chosen), threads=threads)
+    page = page_of(made, chosen, scale=scale, unit_mm=unit_mm, background=background, below=below, title=title or scene.name)
     return Plate(page, {"": made}, {"lines": len(made.lines), "width": made.width, "height": made.height})
+
+
+def _color_of(style: LineStyle) -> Rgba:
+    """What strokes of tone are drawn with: the ink of the lines that are seen."""
+    return ink("black" if style.visible is None else style.visible.color)

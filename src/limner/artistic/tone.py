@@ -62,7 +62,7 @@ def stippling(
         From 0 for black to 1 for white; see `tone_of`.
     covered : (height, width) bool
         Where dots may be.
-    radius : float > 0
+    radius : float >= 1
         Of a dot, pixels. There are as many dots as have, together, the area of what is to be black: 1 - tone of every pixel.
     seed : int
         The same seed, the same dots.
@@ -74,8 +74,8 @@ def stippling(
     (n, 2) float64
         Their middles: x to the right, y down from the picture's upper left corner.
     """
-    if not (math.isfinite(radius) and radius >= 0.25):
-        raise SceneError(f"radius must be at least a quarter of a pixel, got {radius}")
+    if not (math.isfinite(radius) and radius >= 1.0):
+        raise SceneError(f"radius must be at least one pixel, got {radius}")
     weight = np.where(covered, np.clip(1.0 - tone, 0.0, 1.0), 0.0).astype(np.float64)
     count = round(float(weight.sum()) / (math.pi * radius**2))
     if count > _MOST_DOTS:
@@ -95,7 +95,8 @@ def _scattered(weight: Floats, count: int, seed: int) -> Floats:
     """Random places with the density of the weight, each of `count` equal shares of it with one."""
     rng = np.random.default_rng(seed)
     sums = np.cumsum(weight.reshape(-1))
-    at = (np.arange(count) + rng.random(count)) / count * sums[-1]
+    # A share is at least three places that are black, so that no two dots begin in one.
+    at = (np.arange(count) + 0.25 + 0.5 * rng.random(count)) / count * sums[-1]
     cell = np.searchsorted(sums, at, side="right").clip(0, weight.size - 1)
     j, i = np.divmod(cell, weight.shape[1])
     return np.stack([i, j], axis=1) + rng.random((count, 2))

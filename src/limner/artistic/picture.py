@@ -9,7 +9,7 @@ from ..image.image import Image
 from ..progress import OnProgress
 from ..scene.camera import Camera
 from ..scene.scene import Scene
-from .drawing import drawing_of
+from .lines import drawing_of
 from .plate import page_of
 from .style import LineStyle, line_style
 

@@ -102,7 +102,7 @@ def technical_sheet(
     Plate
         A page in millimetres. Its facts: scale, paper, projection, unit, size (of the model, mm), views.
     """
-    from ..artistic.drawing import drawing_of
+    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
 
     chosen, page_size = line_style(style), paper_size(paper)

@@ -165,7 +165,7 @@ def drawing(
 
     **Source**: FoCG 10.3.1.
     """
-    from ..artistic.drawing import drawing_of
+    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
 
     chosen = line_style(style)

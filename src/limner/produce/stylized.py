@@ -81,7 +81,7 @@ def stylized(
     Image
         Beside it lie the channels that were asked for with `aovs`.
     """
-    from ..artistic.drawing import drawing_of
+    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
     from ..render import render
 

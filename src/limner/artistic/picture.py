@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import threading
 
+import numpy as np
+
 from ..draw.page import page_image
 from ..image.image import Image
 from ..progress import OnProgress
 from ..scene.camera import Camera
 from ..scene.scene import Scene
+from ..tiles import Cancelled
 from .lines import drawing_of
 from .plate import page_of
 from .style import LineStyle, line_style
@@ -41,8 +44,11 @@ def line_picture(
         As for `limner.render`.
     """
     chosen = line_style(style)
-    drawing = drawing_of(
-        scene, camera, width=width, height=height, hidden=chosen.shows_hidden, on_progress=on_progress, cancel=cancel
-    )
+    try:
+        drawing = drawing_of(
+            scene, camera, width=width, height=height, hidden=chosen.shows_hidden, on_progress=on_progress, cancel=cancel
+        )
+    except Cancelled:  # half of the surfaces would hide the wrong lines: the picture so far is empty paper
+        return Image(np.ones((height, width, 4), dtype=np.float32), finished=False)
     paper = scene.background if isinstance(scene.background, tuple) else "white"
     return page_image(page_of(drawing, chosen, background=paper))

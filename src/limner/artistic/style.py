@@ -139,7 +139,7 @@ STYLES: Mapping[str, LineStyle] = {
     "technical": LineStyle(
         unit="mm", visible=LineLook(0.35), hidden=LineLook(0.25, dashes=(3.0, 0.75)), by_depth=True,
         visible_kinds={**dict.fromkeys(_OUTLINES, LineLook(0.5)), "uv_seam": LineLook(0.18), "suggestive_contour": LineLook(0.25)},
-        hidden_kinds={"smooth_silhouette": None, "suggestive_contour": None},
+        hidden_kinds={"suggestive_contour": None},
     ),
     "sketch": LineStyle(
         visible=LineLook(2.4, "#2b2723"), visible_kinds=dict.fromkeys(_OUTLINES, LineLook(3.2, "#2b2723")),

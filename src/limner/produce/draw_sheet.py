@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,12 @@ from ..artistic.lines import DEFAULT_KINDS, Drawing, LineKind
 from ..artistic.plate import Placing, layers_of
 from ..artistic.style import LineStyle, line_style
 from ..draw.page import Layer, Mark, Page
-from ..errors import RenderError, SceneError, UnsupportedError
+from ..errors import SceneError, UnsupportedError
 from ..progress import Meter, OnProgress, Progress
 from ..scene.camera import OrthographicCamera
+from ..scene.framing import extent_points
 from ..scene.scene import Scene
-from .drawing import Plate
+from .drawing import Plate, lines_of
 from .sheet_layout import Area, Layout, lay_out, paper_size, read_scale, scale_name
 from .sheet_marks import TITLE_HEIGHT, dimension, frame_area, frame_marks, label, scale_bar, title_block
 
@@ -102,7 +103,6 @@ def technical_sheet(
     Plate
         A page in millimetres. Its facts: scale, paper, projection, unit, size (of the model, mm), views.
     """
-    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
 
     chosen, page_size = line_style(style), paper_size(paper)
@@ -111,20 +111,19 @@ def technical_sheet(
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
     shown, corners = _bounded(scene)
     unit_mm, frame = SHEET_UNITS[unit], frame_area(*page_size)
-    layout = _layout(views, corners * unit_mm, projection, frame, dimensions, given, paper)
+    windows = {name: _window(name, corners, shown) for name in views}
+    layout = _layout(windows, unit_mm, projection, frame, dimensions, given, paper)
     meter, drawn = Meter(on_progress, "views"), {}
     for index, name in enumerate(views):
 
         def report(progress: Progress, index: int = index) -> None:
             meter.report(min((index + progress.done) / len(views), 1.0 - 1e-9))
 
-        camera, width, height = _camera(name, corners, layout, unit_mm)
-        drawn[name] = drawing_of(
+        camera, width, height = _camera(name, windows[name], layout, unit_mm)
+        drawn[name] = lines_of(
             shown, camera, width=width, height=height, kinds=kinds, crease_degrees=crease_degrees, hidden=chosen.shows_hidden,
             on_progress=report, cancel=cancel,
         )  # fmt: skip
-        if cancel is not None and cancel.is_set():
-            raise RenderError("the sheet was stopped before it was done")
     meter.report(1.0)
     size = (corners.max(axis=0) - corners.min(axis=0)) * unit_mm
     marks = list(_dimensions(layout, size)) if dimensions else []
@@ -168,30 +167,48 @@ def _bounded(scene: Scene) -> tuple[Scene, Floats]:
     return shown, np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
 
 
+class _Window(NamedTuple):
+    """What a view shows: its middle in the world, its width and height, and how far it reaches along the gaze, in the model's unit."""
+
+    middle: Floats
+    width: float
+    height: float
+    reach: float
+
+
+def _window(name: str, corners: Floats, scene: Scene) -> _Window:
+    """Tightly round the model, in a view along an axis by the box round it, in others by its points."""
+    azimuth, elevation = SHEET_VIEWS[name]
+    axes = OrthographicCamera.orbit((0, 0, 0), 1.0, azimuth, elevation).world_from_camera[:3, :3]
+    low, high = _ends(corners @ axes)
+    if name.startswith("iso"):
+        least, most = _ends(extent_points(scene) @ axes)
+        low, high = np.maximum(low, least), np.minimum(high, most)
+    width, height, _ = (high - low).tolist()
+    return _Window(axes @ ((low + high) / 2.0), width, height, 2.0 * float(np.linalg.norm(np.ptp(corners, axis=0))))
+
+
+def _ends(points: Floats) -> tuple[Floats, Floats]:
+    return points.min(axis=0), points.max(axis=0)
+
+
 def _layout(
-    views: Sequence[str], corners: Floats, projection: str, frame: Area, dimensions: bool, scale: float | None, paper: str
+    windows: Mapping[str, _Window], unit_mm: float, projection: str, frame: Area, dimensions: bool, scale: float | None, paper: str
 ) -> Layout:
     """Views above the title block, with room for what stands beside them."""
-    sizes = {}
-    for name in views:
-        azimuth, elevation = SHEET_VIEWS[name]
-        axes = OrthographicCamera.orbit((0, 0, 0), 1.0, azimuth, elevation).world_from_camera[:3, :3]
-        width, height = np.ptp(corners @ axes[:, :2], axis=0).tolist()
-        sizes[name] = (width, height)
+    sizes = {name: (window.width * unit_mm, window.height * unit_mm) for name, window in windows.items()}
     room = _DISTANCE + 6.0 if dimensions else 6.0
     area = frame.inset(room, 10.0, 6.0, TITLE_HEIGHT + room)
     return lay_out(sizes, projection, area, 18.0 + (6.0 if dimensions else 0.0), scale, paper)
 
 
-def _camera(name: str, corners: Floats, layout: Layout, unit_mm: float) -> tuple[OrthographicCamera, int, int]:
-    """A camera whose picture holds a view and a margin, and the picture's size; its middle is that of the box."""
+def _camera(name: str, window: _Window, layout: Layout, unit_mm: float) -> tuple[OrthographicCamera, int, int]:
+    """A camera whose picture holds a view and a margin, and the picture's size."""
     area = layout.areas[name]
     width, height = (2 * math.ceil(_FINER * (side / 2.0 + _MARGIN)) for side in (area.width, area.height))
     azimuth, elevation = SHEET_VIEWS[name]
-    low, high = corners.min(axis=0), corners.max(axis=0)
     metres = height / _FINER / layout.scale / unit_mm
-    reach = 2.0 * float(np.linalg.norm(high - low))
-    return OrthographicCamera.orbit((low + high) / 2.0, reach, azimuth, elevation, height=metres, name=name), width, height
+    return OrthographicCamera.orbit(window.middle, window.reach, azimuth, elevation, height=metres, name=name), width, height
 
 
 def _lines(drawn: Mapping[str, Drawing], layout: Layout, style: LineStyle) -> list[Layer]:

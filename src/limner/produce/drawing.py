@@ -21,7 +21,7 @@ from ..artistic.plate import page_of, placing
 from ..artistic.style import LineStyle, line_style
 from ..draw.ink import Ink, Rgba, ink
 from ..draw.page import Page, page_image
-from ..errors import UnsupportedError
+from ..errors import RenderError, UnsupportedError
 from ..image.image import Image
 from ..image.save import check_destination
 from ..progress import OnProgress
@@ -29,7 +29,7 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from .folder import put
 
-__all__ = ["TONES", "VECTOR_EXTENSIONS", "Plate", "check_plate", "drawing"]
+__all__ = ["TONES", "VECTOR_EXTENSIONS", "Plate", "check_plate", "drawing", "lines_of"]
 
 TONES = ("hatching", "stippling")
 VECTOR_EXTENSIONS = (".svg", ".pdf", ".dxf")
@@ -165,14 +165,13 @@ def drawing(
 
     **Source**: FoCG 10.3.1.
     """
-    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
 
     chosen = line_style(style)
     if tone not in (None, *TONES):
         raise UnsupportedError(f"tone must be one of {', '.join(TONES)}, got {tone!r}")
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
-    made = drawing_of(
+    made = lines_of(
         scene, camera, width=width, height=height, kinds=kinds, crease_degrees=crease_degrees, hidden=chosen.shows_hidden,
         on_progress=on_progress, cancel=cancel,
     )  # fmt: skip
@@ -189,3 +188,14 @@ def drawing(
 def _color_of(style: LineStyle) -> Rgba:
     """What strokes of tone are drawn with: the ink of the lines that are seen."""
     return ink("black" if style.visible is None else style.visible.color)
+
+
+def lines_of(scene: Scene, camera: Camera | None, **options: Any) -> Drawing:
+    """The drawing of `limner.artistic.lines`; that it was stopped is said as other errors are."""
+    from ..artistic.lines import drawing_of
+    from ..tiles import Cancelled
+
+    try:
+        return drawing_of(scene, camera, **options)
+    except Cancelled:
+        raise RenderError("the drawing was stopped before it was done: half of the surfaces would hide the wrong lines") from None

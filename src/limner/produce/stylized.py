@@ -34,6 +34,7 @@ from ..scene.material import CoolToWarm, Material, MetallicRoughness
 from ..scene.node import Node
 from ..scene.scene import Scene
 from ..scene.shape import Plane
+from .drawing import lines_of
 
 __all__ = ["PICTURE_STYLES", "banded", "stylized", "with_style"]
 
@@ -81,7 +82,6 @@ def stylized(
     Image
         Beside it lie the channels that were asked for with `aovs`.
     """
-    from ..artistic.lines import drawing_of
     from ..files.interop import as_scene
     from ..render import render
 
@@ -107,7 +107,7 @@ def stylized(
     if not lines or not image.finished:
         return image
     seen = camera if camera is not None else with_defaults(shown, width / height)[0].camera
-    drawn = drawing_of(scene, seen, width=width, height=height, hidden=chosen.shows_hidden, cancel=cancel)
+    drawn = lines_of(scene, seen, width=width, height=height, hidden=chosen.shows_hidden, cancel=cancel)
     return paint_layers(Canvas.on(image), layers_of([(drawn, Placing())], chosen)).image()
 
 

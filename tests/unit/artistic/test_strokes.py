@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from limner.artistic.strokes import by_depth, resampled, swelling, waver, wavering
@@ -61,7 +63,7 @@ def test_pieces_by_depth_make_up_the_line() -> None:
     """Each begins where the one before ends, their lengths add up, and their farness grows with depth in equal steps."""
     pieces = by_depth(ZIGZAG, np.array([2.0, 4.0, 6.0, 8.0]), 2.0, 8.0, levels=6)
     assert [round(5 * piece.farness) for piece in pieces] == [0, 1, 2, 3, 4, 5]
-    for before, after in zip(pieces[:-1], pieces[1:], strict=True):
+    for before, after in pairwise(pieces):
         assert (before.points[-1] == after.points[0]).all()
     total = sum(np.linalg.norm(np.diff(piece.points, axis=0), axis=1).sum() for piece in pieces)
     assert np.isclose(total, np.linalg.norm(np.diff(ZIGZAG, axis=0), axis=1).sum())

@@ -40,7 +40,7 @@ def test_a_technical_sheet(limner_process: Run, tmp_path: Path, box: str) -> Non
 
 def test_lines_by_render(limner_process: Run, tmp_path: Path, box: str) -> None:
     """As vectors and as a picture, in a style."""
-    for name, start in (("a.svg", b"<svg"), ("a.pdf", b"%PDF"), ("a.dxf", b"  0"), ("a.png", b"\x89PNG")):
+    for name, start in (("a.pdf", b"%PDF"), ("a.png", b"\x89PNG")):
         done = limner_process("render", box, "-o", name, "--renderer", "lines", "--style", "technical", *SIZE, "--quiet")
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
         assert (tmp_path / name).read_bytes().startswith(start)
@@ -67,14 +67,10 @@ def test_a_style_of_a_picture(limner_process: Run, tmp_path: Path, box: str) -> 
     ("words", "message"),
     [
         (("draw", "cornell", "-o", "a.xyz"), ".svg, .pdf, .dxf"),
-        (("draw", "cornell", "-o", "nowhere/a.svg"), "there is no folder"),
         (("draw", "cornell", "-o", "a.svg", "--views", "side"), "a view must be one of front"),
-        (("draw", "cornell", "-o", "a.svg", "--views", "front", "--scale", "big"), "scale must be as in 1:2"),
         (("draw", "cornell", "-o", "a.svg", "--views", "front", "--fill"), "--views excludes"),
         (("draw", "cornell", "-o", "a.svg", "--scale", "1:2"), "perspective has no scale"),
-        (("draw", "cornell", "-o", "a.svg", "--kinds", "edge"), "edge"),
         (("render", "cornell", "-o", "a.png", "--style", "sketch"), "--renderer raster, which has gooch, toon, xray"),
-        (("render", "cornell", "-o", "a.png", "--renderer", "lines", "--style", "toon"), "which has plain"),
     ],
 )
 def test_a_slip_is_one_line(limner_process: Run, tmp_path: Path, words: tuple[str, ...], message: str) -> None:

@@ -131,7 +131,7 @@ def layers_of(placed: Iterable[tuple[Drawing, Placing]], style: LineStyle, groun
 def _order(key: tuple[bool, str], style: LineStyle) -> tuple[bool, float, int]:
     hidden, kind = key
     look = style.look(kind, int(hidden))
-    return not hidden, 0.0 if look is None else look.width, -KINDS.index(kind)  # type: ignore[arg-type]
+    return not hidden, 0.0 if look is None else look.width, -KINDS.index(kind)
 
 
 def _grouped(marks: list[Mark]) -> list[Mark]:

@@ -88,7 +88,7 @@ class Plate:
         kind = Path(path).suffix.lower()
         if kind not in VECTOR_EXTENSIONS:
             image, fine = self.image(dpi), self._dpi(dpi)
-            image.save(path, **({"dpi": fine} if kind == ".png" and self.page.unit == "mm" else {}))
+            image.save(path, dpi=fine if kind == ".png" and self.page.unit == "mm" else None)
             return
         data = {".svg": lambda: self.svg().encode(), ".pdf": self.pdf, ".dxf": self.dxf}[kind]()
         put(Path(os.path.realpath(path)), data)

@@ -103,11 +103,11 @@ def test_areas_show_what_raster_shows(crossed: bool) -> None:
     far = (0.0, 0.2, 0.0) if crossed else (0.5, 0.2, -3.0)
     scene = scene_of(place(Box((2.0, 1.0, 1.0)), red), place(Box((1.0, 2.0, 0.6)), blue, at=far))
     camera = PerspectiveCamera.look_at((2.0, 2.0, 5.0), (0, 0, 0), yfov_degrees=35.0)
-    plain = Drawing((), 40, 30, camera, None, ())
+    plain = Drawing((), 56, 42, camera, None, ())
     (layer,) = shade_layers(scene, plain, Placing(), tone=None, fill=True, color=(0.0, 0.0, 0.0, 1.0))
     assert all(isinstance(mark, (Patch, Trace)) for mark in layer.marks)
-    drawn = page_image(Page(40, 30, "px", (layer,))).pixels
-    seen = render(scene, camera=camera, width=40, height=30, aovs=("instance_id",)).aov["instance_id"]
+    drawn = page_image(Page(56, 42, "px", (layer,))).pixels
+    seen = render(scene, camera=camera, width=56, height=42, aovs=("instance_id",)).aov["instance_id"]
     around = np.lib.stride_tricks.sliding_window_view(seen, (3, 3))
     flat = np.ptp(around, axis=(2, 3)) == 0
     inner, ids = drawn[1:-1, 1:-1][flat], seen[1:-1, 1:-1][flat]

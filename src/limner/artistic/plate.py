@@ -15,6 +15,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..draw.dash import fitted
 from ..draw.ink import Ink, Rgba, ink
 from ..draw.page import UNITS, Layer, Mark, Page, Patch, Trace
 from ..draw.stroke import Pen
@@ -28,6 +29,7 @@ __all__ = ["Placing", "layers_of", "millimetres_per_pixel", "page_of", "placing"
 Floats = NDArray[np.float64]
 
 _LEVELS = 6  # of depth, that lines are cut into
+_THINNEST = 0.7  # of a line's width: what depth takes away at most
 _FAINTEST = 0.75  # of a line's colour: what depth takes away at most, where its width is none
 
 
@@ -136,7 +138,7 @@ def _order(key: tuple[bool, str], style: LineStyle) -> tuple[bool, float, int]:
 
 def _grouped(marks: list[Mark]) -> list[Mark]:
     """Marks of one look together, the widest first, so that what is painted at once is much."""
-    return sorted(marks, key=lambda mark: -mark.pen.width if isinstance(mark, Trace) else 0.0)
+    return sorted(marks, key=lambda mark: (-mark.pen.width, mark.pen.dashes) if isinstance(mark, Trace) else (0.0, ()))
 
 
 def _depths(drawing: Drawing) -> tuple[float, float]:
@@ -149,32 +151,49 @@ def _marks(
     line: FeatureLine, look: LineLook, style: LineStyle, place: Placing, near: float, far: float, ground: Rgba
 ) -> list[Mark]:
     """One line in its look: in pieces where it fades, as an area where its width changes."""
+    color, spread = ink(look.color), max(far - near, 1e-300)
+    if (style.taper or style.pressure) and not look.dashes:
+        farness = (line.depth - near) / spread
+        fade = _FAINTEST * style.depth_cue * float(farness.mean())
+        return [_stroke(line, look, _faded(color, ground, fade), style, place, 1.0 - _THINNEST * style.depth_cue * farness)]
     if style.depth_cue == 0.0:
-        return [_mark(line.picture, line.closed, look.width, look, ink(look.color), style, place)]
+        return [_trace(line.picture, line.closed, look.width, look, color, style, place)]
     pieces = by_depth(line.picture, line.depth, near, far, _LEVELS)
     return [
-        _mark(
-            piece.points, line.closed and len(pieces) == 1, look.width * (1.0 - 0.7 * style.depth_cue * piece.farness), look,
-            _faded(ink(look.color), ground, _FAINTEST * style.depth_cue * piece.farness), style, place,
+        _trace(
+            piece.points, line.closed and len(pieces) == 1, look.width * (1.0 - _THINNEST * style.depth_cue * piece.farness), look,
+            _faded(color, ground, _FAINTEST * style.depth_cue * piece.farness), style, place,
         )
         for piece in pieces
     ]  # fmt: skip
 
 
-def _mark(
-    picture: Floats, closed: bool, width: float, look: LineLook, color: Rgba, style: LineStyle, place: Placing
-) -> Mark:
+def _by_hand(picture: Floats, style: LineStyle, place: Placing) -> tuple[Floats, float]:
+    """The line on the page, as far from where it belongs as the style has it, and the length over which it strays."""
     wavelength = place.length(style.wavelength, style.unit)
-    points = wavering(place.points(picture), place.length(style.wobble, style.unit), wavelength, style.seed)
-    drawn, thick = (*color[:3], color[3] * look.opacity), place.length(width, style.unit)
-    if (style.taper or style.pressure) and not look.dashes:
-        ring = swelling(
-            points, thick, taper=style.taper, pressure=style.pressure, wavelength=wavelength, seed=style.seed, closed=closed
-        )
-        return Patch((ring,), drawn)
+    return wavering(place.points(picture), place.length(style.wobble, style.unit), wavelength, style.seed), wavelength
+
+
+def _stroke(line: FeatureLine, look: LineLook, color: Rgba, style: LineStyle, place: Placing, widths: Floats) -> Patch:
+    """A line whose width changes, as an area; `widths` are parts of the look's, at the line's points."""
+    points, wavelength = _by_hand(line.picture, style, place)
+    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line.picture, axis=0).T))])
+    ring = swelling(
+        points, place.length(look.width, style.unit), taper=style.taper, pressure=style.pressure, wavelength=wavelength, seed=style.seed,
+        closed=line.closed, profile=(run / max(float(run[-1]), 1e-300), widths),
+    )  # fmt: skip
+    return Patch((ring,), (*color[:3], color[3] * look.opacity))
+
+
+def _trace(
+    picture: Floats, closed: bool, width: float, look: LineLook, color: Rgba, style: LineStyle, place: Placing
+) -> Trace:
+    points, _ = _by_hand(picture, style, place)
     dashes = tuple(place.length(dash, style.unit) for dash in look.dashes)
-    pen = Pen(thick, "butt" if dashes else "round", "round", dashes=dashes)
-    return Trace(points[:-1] if closed else points, drawn, pen, closed)
+    if dashes and not closed:
+        dashes = fitted(dashes, float(np.hypot(*np.diff(points, axis=0).T).sum()))
+    pen = Pen(place.length(width, style.unit), "butt" if dashes else "round", "round", dashes=dashes)
+    return Trace(points[:-1] if closed else points, (*color[:3], color[3] * look.opacity), pen, closed)
 
 
 def _faded(color: Rgba, ground: Rgba, share: float) -> Rgba:

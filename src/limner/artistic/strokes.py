@@ -22,6 +22,7 @@ __all__ = ["Piece", "by_depth", "resampled", "swelling", "waver", "wavering"]
 Floats = NDArray[np.float64]
 
 _LEAST_COSINE = 0.4  # of half a turn: at sharper corners a stroke's outline is cut off
+_LONG = 12.0  # widths: shorter strokes have blunter ends, so that they do not look like seeds
 
 
 class Piece(NamedTuple):
@@ -77,7 +78,7 @@ def wavering(points: Floats, amplitude: float, wavelength: float = 60.0, seed: i
 
 def swelling(
     points: Floats, width: float, *, taper: float = 0.0, pressure: float = 0.0, wavelength: float = 60.0, seed: int = 0,
-    closed: bool = False,
+    closed: bool = False, profile: tuple[Floats, Floats] | None = None,
 ) -> Floats:  # fmt: skip
     """The outline of a stroke that is thick in its middle and thin at its ends.
 
@@ -91,6 +92,8 @@ def swelling(
         The ends are so much thinner; a closed line has none.
     pressure : float from 0 to 1
         How much the width changes along the way, over `wavelength`.
+    profile : (n,) float64 and (n,) float64, optional
+        Shares of the way, from 0 to 1, and what the width is multiplied by there.
 
     Returns
     -------
@@ -104,7 +107,10 @@ def swelling(
         return np.repeat(line, 2, axis=0)
     run = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     half = np.full(len(line), 0.5 * width)
+    if profile is not None:
+        half *= np.interp(run / run[-1], *profile)
     if not closed:
+        taper *= min(1.0, float(run[-1]) / (_LONG * width))
         half *= 1.0 - taper * (1.0 - np.sqrt(np.sin(np.pi * np.clip(run / run[-1], 0.0, 1.0))))
     if pressure > 0.0:
         half *= 1.0 + pressure * waver(line, wavelength, seed + 7)

@@ -75,9 +75,9 @@ def _line_types(layers: tuple[Layer, ...], scale: float) -> dict[Dashes, str]:
 
 
 def _dashes(layer: Layer, scale: float) -> Dashes:
-    """Those of a layer's first line; dashes of odd number count twice."""
-    first = next((mark.pen.dashes for mark in layer.marks if isinstance(mark, Trace)), ())
-    return tuple(round(dash * scale, 4) for dash in first * (1 + len(first) % 2))
+    """The longest of a layer's patterns: short lines have shorter ones, so as to fit them. Dashes of odd number count twice."""
+    longest = max((mark.pen.dashes for mark in layer.marks if isinstance(mark, Trace)), key=sum, default=())
+    return tuple(round(dash * scale, 4) for dash in longest * (1 + len(longest) % 2))
 
 
 def _tables(layers: tuple[Layer, ...], types: dict[Dashes, str], scale: float) -> Iterator[str]:

@@ -42,6 +42,7 @@ _SPACING = 5.0  # pixels between strokes
 _STROKE, _DOT = 0.8, 1.1  # pixels: a stroke's width, a dot's radius
 _HAIRLINE = 0.4  # pixels: over the seams between areas of one shape
 _NEAREST = 1e-6  # of the scene's depth: nearer than that is behind the eye
+_COARSER = (1, 2, 4, 8)
 _GREY: Rgba = (0.6, 0.6, 0.6, 1.0)
 
 
@@ -71,7 +72,7 @@ def shade_layers(
     tables = flatten(plain, drawing.camera, drawing.width, drawing.height).tables
     layers = []
     if fill:
-        layers.append(Layer("areas", _areas(tables, drawing, image, place), ("areas",)))
+        layers.append(Layer("areas", _areas(plain, drawing, image, place), ("areas",)))
     # A floor without end has no tone of its own: it is the paper.
     ids = np.where(np.isin(image.aov["instance_id"], np.flatnonzero(tables.instances["kind"] == PLANE)), -1, image.aov["instance_id"])
     if tone == "hatching":
@@ -85,9 +86,17 @@ def shade_layers(
     return layers
 
 
-def _areas(tables: SceneTables, drawing: Drawing, image: Image, place: Placing) -> list[Patch | Trace]:
+def _areas(scene: Scene, drawing: Drawing, image: Image, place: Placing) -> list[Patch | Trace]:
     camera = drawing.camera
-    corners, owner = painted_order(tables, camera)
+    for coarser in _COARSER:
+        # Exact shapes have triangles to a tenth of a pixel; fewer, where that makes too many to be sorted.
+        tables = flatten(scene, camera, max(1, drawing.width // coarser), max(1, drawing.height // coarser)).tables
+        order = painted_order(tables, camera)
+        if order is not None:
+            break
+    else:
+        raise UnsupportedError(f"shapes that overlap in depth are filled up to {MAX_SORTED} triangles, and these have more: leave out fill")
+    corners, owner = order
     corners, owner = _before_eye(corners, owner, camera)
     xy, _ = camera.project(corners.reshape(-1, 3), drawing.width, drawing.height)
     picture = (xy + 0.5).reshape(-1, 3, 2)
@@ -120,8 +129,8 @@ def _mean_colors(image: Image, count: int) -> list[Rgba]:
 # --- order ----------------------------------------------------------------------------------------------------------------
 
 
-def painted_order(tables: SceneTables, camera: Camera) -> tuple[Floats, Indices]:
-    """Triangles in the world, (n, 3, 3), from back to front, and the instance of each, (n,)."""
+def painted_order(tables: SceneTables, camera: Camera) -> tuple[Floats, Indices] | None:
+    """Triangles in the world, (n, 3, 3), from back to front, and the instance of each, (n,); None: there are too many for an order."""
     corners = bsp.world_triangles(tables)
     owner, bounded = _owners(tables)
     corners, owner = corners[bounded], owner[bounded]
@@ -135,9 +144,7 @@ def painted_order(tables: SceneTables, camera: Camera) -> tuple[Floats, Indices]
         return corners[order], owner[order]
     tree = bsp.build(corners) if len(corners) <= MAX_SORTED else None
     if tree is None:
-        raise UnsupportedError(
-            f"shapes that overlap in depth are filled up to {MAX_SORTED} triangles, and these have {len(corners)}: leave out fill"
-        )
+        return None
     matrix = np.asarray(camera.world_from_camera)
     eye = np.append(matrix[:3, 3], 1.0) if isinstance(camera, PerspectiveCamera) else np.append(matrix[:3, 2], 0.0)
     rows = tree.fragments[bsp.back_to_front(tree, eye)]

@@ -43,7 +43,7 @@ def frame_marks(frame: Area) -> list[Mark]:
     """The frame, and the marks in the middle of its sides by which prints are aligned."""
     x, y, right, bottom = frame.x, frame.y, frame.x + frame.width, frame.y + frame.height
     middle_x, middle_y = (x + right) / 2.0, (y + bottom) / 2.0
-    ticks = [((middle_x, y - 5), (middle_x, y + 5)), ((middle_x, bottom - 5), (middle_x, bottom + 5))]
+    ticks = [((middle_x, y - 5), (middle_x, y + 5)), ((middle_x, bottom), (middle_x, bottom + 5))]  # the title block is there
     ticks += [((x - 5, middle_y), (x + 5, middle_y)), ((right - 5, middle_y), (right + 5, middle_y))]
     return [_box(frame, _THICK), *(_line(a, b, _THICK) for a, b in ticks)]
 

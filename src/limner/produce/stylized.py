@@ -114,8 +114,8 @@ def stylized(
 def with_style(scene: Scene, style: str | None) -> Scene:
     """The scene with its materials replaced by those of a style; "toon" keeps them, since it bands their light.
 
-    >>> with_style(Scene(), "gooch").shapes()
-    ()
+    >>> list(with_style(Scene(), "gooch").shapes())
+    []
     """
     if style is not None and style not in PICTURE_STYLES:
         raise UnsupportedError(f"style must be one of {', '.join(PICTURE_STYLES)}, got {style!r}")

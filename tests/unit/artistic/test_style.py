@@ -37,7 +37,7 @@ def test_classes_have_layers_and_looks() -> None:
     (outline,), hidden = page.layers[1].marks, page.layers[0].marks
     assert isinstance(outline, Trace)
     assert (outline.closed, len(outline.points), outline.pen.width) == (True, 4, 0.5)
-    assert [mark.pen.dashes for mark in hidden if isinstance(mark, Trace)] == [(3.0, 0.75), (1.5, 0.375)]
+    assert [mark.pen.dashes for mark in hidden if isinstance(mark, Trace)] == [(1.5, 0.375), (3.0, 0.75)]
 
 
 def test_lengths_are_those_of_the_part() -> None:

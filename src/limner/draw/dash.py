@@ -28,7 +28,7 @@ def fitted(dashes: tuple[float, ...], length: float) -> tuple[float, ...]:
 
     >>> dash, gap = fitted((3.0, 0.75), 4.0)
     >>> round(2 * dash + gap, 2), round(dash / gap, 2)
-    (3.8, 4.0)
+    (3.84, 4.0)
     """
     if len(dashes) != 2 or not sum(dashes) > 0.0 or not 0.0 < length < _PERIODS * sum(dashes):
         return dashes

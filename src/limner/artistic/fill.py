@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 
-__all__ = ["Area", "areas_of", "outlines"]
+__all__ = ["Area", "areas_of", "clipped", "outlines"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -69,6 +69,28 @@ def outlines(corners: Floats) -> list[Floats]:
     repeat = np.abs(net)
     begin, finish = np.repeat(np.where(net > 0, low, high), repeat), np.repeat(np.where(net > 0, high, low), repeat)
     return [points[ring] for ring in _chained(begin, finish, len(points))]
+
+
+def clipped(ring: Floats, low: tuple[float, float], high: tuple[float, float]) -> Floats:
+    """A ring's part in a rectangle; how often it winds round each place in there stays.
+
+    Where it leaves the rectangle it goes on along the border, so that parts of it may lie there, one over the other.
+
+    **Source**: Sutherland and Hodgman, *Reentrant polygon clipping*, 1974.
+    """
+    for axis in range(2):
+        for sign, bound in ((1.0, low[axis]), (-1.0, high[axis])):
+            if not len(ring):
+                return ring
+            inside = sign * (ring[:, axis] - bound)
+            after, following = np.roll(inside, -1), np.roll(ring, -1, axis=0)
+            crosses = (inside >= 0.0) != (after >= 0.0)
+            share = np.where(crosses, inside, 0.0) / np.where(crosses, inside - after, 1.0)
+            crossing = ring + share[:, None] * (following - ring)
+            crossing[:, axis] = bound
+            both = np.stack([ring, crossing], axis=1).reshape(-1, 2)
+            ring = both[np.stack([inside >= 0.0, crosses], axis=1).reshape(-1)]
+    return ring
 
 
 def _chained(begin: Indices, finish: Indices, n_points: int) -> list[Indices]:

@@ -146,6 +146,8 @@ def render(context: click.Context, /, **options: Any) -> None:
     if order.output == "-" and order.as_json:
         raise click.UsageError("--json and -o - both want standard output")
     _check_style(order.renderer, order.style)
+    if order.renderer == "lines" and (order.aovs or order.lines):
+        raise click.UsageError(f"--renderer lines draws lines and nothing else: leave out {'--aov' if order.aovs else '--lines'}")
     make_picture(order, talk)
 
 

@@ -108,9 +108,7 @@ def make_drawing(order: Order, talk: Talk) -> None:
                 scale=None if order.scale is None else read_scale(order.scale), unit_mm=SHEET_UNITS[order.unit], tone=order.tone,
                 fill=order.fill, background=_paper(order.background), title=_title(order), threads=order.threads, on_progress=bar, **wanted,
             )  # fmt: skip
-    plate.save(order.output, dpi=order.dpi)
-    if order.as_json:
-        _tell(order.model, order.output, plate)
+    _finish(order.model, order.output, plate, order.as_json, talk, order.dpi)
 
 
 def draw_picture(order: PictureOrder, talk: Talk) -> None:
@@ -134,9 +132,7 @@ def draw_picture(order: PictureOrder, talk: Talk) -> None:
             scene, width=order.width, height=order.height, camera=chosen_camera(order, scene), style=order.style or "plain",
             background=_paper("white" if order.background is None else order.background), on_progress=bar,
         )  # fmt: skip
-    plate.save(order.output)
-    if order.as_json:
-        _tell(order.model, order.output, plate)
+    _finish(order.model, order.output, plate, order.as_json, talk)
 
 
 def check_output(output: str) -> None:
@@ -160,7 +156,12 @@ def _title(order: Order) -> str:
     return Path(order.model).name if order.title is None else order.title
 
 
-def _tell(model: str, output: str, plate: Plate) -> None:
-    import json
+def _finish(model: str, output: str, plate: Plate, as_json: bool, talk: Talk, dpi: float | None = None) -> None:
+    """Save what was drawn, and tell about it."""
+    if not plate.facts["lines"]:
+        talk.warn(["nothing of the model is in the picture: there are no lines"])
+    plate.save(output, dpi=dpi)
+    if as_json:
+        import json
 
-    click.echo(json.dumps({"model": model, "output": output, **plate.facts}, sort_keys=True))
+        click.echo(json.dumps({"model": model, "output": output, **plate.facts}, sort_keys=True))

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..artistic.fill import areas_of
+from ..artistic.fill import areas_of, clipped
 from ..artistic.hatching import hatching
 from ..artistic.lines import Drawing
 from ..artistic.plate import Placing
@@ -41,6 +41,7 @@ Indices = NDArray[np.int64]
 _SPACING = 5.0  # pixels between strokes
 _STROKE, _DOT = 0.8, 1.1  # pixels: a stroke's width, a dot's radius
 _HAIRLINE = 0.4  # pixels: over the seams between areas of one shape
+_BEYOND = 8.0  # pixels beyond the picture's edge, where areas are cut off
 _NEAREST = 1e-6  # of the scene's depth: nearer than that is behind the eye
 _COARSER = (1, 2, 4, 8)
 _GREY: Rgba = (0.6, 0.6, 0.6, 1.0)
@@ -77,7 +78,7 @@ def shade_layers(
     ids = np.where(np.isin(image.aov["instance_id"], np.flatnonzero(tables.instances["kind"] == PLANE)), -1, image.aov["instance_id"])
     if tone == "hatching":
         pen = Pen(place.length(_STROKE, "px"), "round")
-        strokes = hatching(tone_of(image.pixels), ids, spacing=_SPACING)
+        strokes = hatching(tone_of(image.pixels), ids, spacing=_SPACING, shortest=_SPACING)
         layers.append(Layer(tone, [Trace(place.points(stroke), color, pen) for stroke in strokes], ("tone",)))
     elif tone == "stippling":
         dots = stippling(tone_of(image.pixels), ids >= 0, radius=_DOT)
@@ -105,7 +106,10 @@ def _areas(scene: Scene, drawing: Drawing, image: Image, place: Placing) -> list
     found = areas_of(picture, owner)
     parts = np.bincount([area.owner for area in found], minlength=len(tables.instances))
     for area in found:
-        rings = tuple(place.points(ring) for ring in area.rings)
+        inside = (clipped(ring, (-_BEYOND, -_BEYOND), (drawing.width + _BEYOND, drawing.height + _BEYOND)) for ring in area.rings)
+        rings = tuple(place.points(ring) for ring in inside if len(ring) > 2)
+        if not rings:
+            continue
         marks.append(Patch(rings, colors[area.owner]))
         if parts[area.owner] > 1:
             pen = Pen(_HAIRLINE * place.finer, "round", "round")

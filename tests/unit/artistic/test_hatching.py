@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from limner.artistic.fill import areas_of, outlines
+from limner.artistic.fill import areas_of, clipped, outlines
 from limner.artistic.hatching import hatching
 from limner.artistic.tone import sampled, stippling, tone_of
 from limner.draw.canvas import Canvas
@@ -91,6 +91,17 @@ def test_outlines_cover_what_the_triangles_cover(seed: int) -> None:
         other.polyline(turned, closed=True)
     pictures = [Canvas(40, 40).fill(path, "black").image().pixels[..., 3] for path in (one, other)]
     assert np.abs(pictures[0] - pictures[1]).max() < 1e-4
+
+
+def test_a_ring_that_is_cut_covers_the_same() -> None:
+    """A star that winds twice round its middle and reaches far out: within the picture nothing changes, outside there is nothing."""
+    turn = 4.0 * np.pi / 5.0 * np.arange(5) + 0.3
+    star = 20.0 + 35.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    cut = clipped(star, (-2.0, -2.0), (42.0, 42.0))
+    pictures = [Canvas(40, 40).fill(Path().polyline(ring, True), "black").image().pixels[..., 3] for ring in (star, cut)]
+    assert np.abs(pictures[0] - pictures[1]).max() < 1e-5
+    assert ((cut >= -2.0) & (cut <= 42.0)).all()
+    assert len(clipped(star, (90.0, 0.0), (95.0, 40.0))) == 0
 
 
 def test_a_disk_has_one_outline() -> None:

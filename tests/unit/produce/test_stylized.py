@@ -15,7 +15,8 @@ from limner.scene.node import Node
 from limner.scene.scene import Scene
 from limner.scene.shape import Plane, Sphere
 
-BALL = Scene(root=Node(children=(place(Sphere(1.0), Lambert(color=(0.2, 0.6, 0.4))),)), camera=PerspectiveCamera.look_at((0, 1, 4), (0, 0, 0)))
+EYE = PerspectiveCamera.look_at((0, 1, 4), (0, 0, 0))
+BALL = Scene(root=Node(children=(place(Sphere(1.0), Lambert(color=(0.2, 0.6, 0.4))),)), camera=EYE)
 SIZE = {"width": 40, "height": 30}
 
 

@@ -131,6 +131,8 @@ def render(context: click.Context, /, **options: Any) -> None:
         limner render model.glb -o model.exr --aov depth,normal --width 1920 --height 1080
         limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
         limner render teapot -o blurred.png --renderer ray --samples 64 --aperture 0.1 --focus 5
+        limner render model.glb -o lines.svg --renderer lines --style technical
+        limner render model.glb -o tinted.png --style gooch --lines
 
     What a scene file says about its picture counts unless the command line says otherwise. Ctrl-C stops early and saves the picture so far.
     """

@@ -109,9 +109,10 @@ def render(
         A path is loaded; "teapot" and "cornell" are built in.
     width, height : int
         Pixels, 1 to 32768 each.
-    renderer : "raster" | "ray" | "path"
+    renderer : "raster" | "ray" | "path" | "lines"
         The graphics pipeline, without reflections; ray tracing with both; or path tracing, with all light that surfaces
-        send to each other.
+        send to each other. Or the outlines and creases alone, black on the background or on white, for which only the picture's size,
+        camera and moment count; `limner.drawing` has their styles and vectors.
     samples : int, optional
         Points of every pixel that are looked at; None: 8, or 64 paths.
     seed : int
@@ -178,6 +179,8 @@ def render(
     SceneError, UnsupportedError, FileFormatError
         Before anything is drawn.
     """
+    if renderer == "lines":
+        return _lines(scene, width, height, camera, _checked_moment(None, time, animation), on_progress, cancel)
     with Renderer(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
         sampler=sampler, glossy=glossy, emitters=emitters, tinted_shadows=tinted_shadows, shutter=shutter,
@@ -188,6 +191,20 @@ def render(
     for slip in once.slips:
         python_warnings.warn(slip, LimnerWarning, stacklevel=2)
     return image
+
+
+def _lines(
+    scene: Any, width: int, height: int, camera: Camera | None, moment: tuple[float | None, str | int | None] | None,
+    on_progress: OnProgress | None, cancel: threading.Event | None,
+) -> Image:  # fmt: skip
+    """The picture of a drawing."""
+    from .artistic.picture import line_picture
+
+    _check(width, height, "raster", None, 0, 0, None)
+    shown = _as_scene(scene)
+    if moment is not None:
+        shown = at(shown, moment[0] or 0.0, moment[1])
+    return line_picture(shown, camera, width=int(width), height=int(height), on_progress=on_progress, cancel=cancel)
 
 
 class _Frame(NamedTuple):
@@ -578,7 +595,7 @@ def _check(width: int, height: int, renderer: str, samples: int | None, seed: in
     if width * height > MAX_PIXELS:
         raise SceneError(f"a picture must not have more than {MAX_PIXELS} pixels, got {width} x {height}")
     if renderer not in RENDERERS:
-        raise UnsupportedError(f"renderer must be one of {', '.join(RENDERERS)}, got {renderer!r}")
+        raise UnsupportedError(f"renderer must be one of {', '.join(RENDERERS)} (or lines, in limner.render), got {renderer!r}")
     if samples is not None and (not is_whole(samples) or not 1 <= samples <= MAX_SAMPLES):
         raise SceneError(f"samples must be an integer from 1 to {MAX_SAMPLES}, got {samples!r}")
     if not is_whole(seed) or not 0 <= seed < 1 << 63:

@@ -8,6 +8,8 @@ import click
 
 from .. import __version__
 from .curve import FRACTALS, KINDS
+from .draw import KINDS as LINE_KINDS
+from .draw import LINE_STYLES, PICTURE_STYLES
 from .mesh import mesh
 from .schema import schema
 from .talk import Talk
@@ -41,7 +43,15 @@ limner.add_command(schema)
 @limner.command(short_help="Make a picture of a model.")
 @click.argument("model")
 @click.option("-o", "--output", required=True, metavar="OUT", help="The picture file; - is standard output.")
-@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
+@click.option(
+    "--renderer", type=click.Choice(["raster", "ray", "path", "lines"]), default="raster", show_default=True,
+    help="How to see; lines: a drawing, to .svg, .pdf or .dxf, too.",
+)  # fmt: skip
+@click.option(
+    "--style", type=click.Choice(list(dict.fromkeys([*PICTURE_STYLES, *LINE_STYLES]))),
+    help="Explain rather than imitate: gooch, toon, xray (raster, ray); plain, technical, sketch, xray, chalk (lines).",
+)  # fmt: skip
+@click.option("--lines", is_flag=True, help="Draw outlines and creases over the picture (raster, ray, path).")
 @click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
 @click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
 @click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
@@ -121,6 +131,8 @@ def render(context: click.Context, /, **options: Any) -> None:
         limner render model.glb -o model.exr --aov depth,normal --width 1920 --height 1080
         limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
         limner render teapot -o blurred.png --renderer ray --samples 64 --aperture 0.1 --focus 5
+        limner render model.glb -o lines.svg --renderer lines --style technical
+        limner render model.glb -o tinted.png --style gooch --lines
 
     What a scene file says about its picture counts unless the command line says otherwise. Ctrl-C stops early and saves the picture so far.
     """
@@ -135,7 +147,16 @@ def render(context: click.Context, /, **options: Any) -> None:
     _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
     if order.output == "-" and order.as_json:
         raise click.UsageError("--json and -o - both want standard output")
+    _check_style(order.renderer, order.style)
+    if order.renderer == "lines" and (order.aovs or order.lines):
+        raise click.UsageError(f"--renderer lines draws lines and nothing else: leave out {'--aov' if order.aovs else '--lines'}")
     make_picture(order, talk)
+
+
+def _check_style(renderer: str, style: str | None) -> None:
+    known = LINE_STYLES if renderer == "lines" else PICTURE_STYLES
+    if style is not None and style not in known:
+        raise click.UsageError(f"--style {style} is not one of --renderer {renderer}, which has {', '.join(known)}")
 
 
 def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[str, Any]:
@@ -450,6 +471,60 @@ def stages(talk: Talk, /, **options: Any) -> None:
         raise click.UsageError("--json and -o - both want standard output")
     _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
     make_stages(order, talk)
+
+
+@limner.command(short_help="Draw a model's outlines and creases, or a technical sheet: SVG, PDF, DXF, a picture.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="An .svg, .pdf or .dxf for vectors, or a picture file.")
+@click.option("--views", type=WORDS, help="Make a sheet of: front, back, left, right, top, bottom, iso, iso-left.")
+@click.option("--projection", type=click.Choice(["first", "third"]), default="first", show_default=True, help="Angle.")
+@click.option("--paper", metavar="SIZE", default="A3", show_default=True, help="Of a sheet: A4 to A0, A4-portrait, A3-portrait.")
+@click.option("--scale", metavar="1:N", help="1:2, 5:1, …  [default: of a sheet the largest that fits]")
+@click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True, help="Of the model's coordinates.")
+@click.option("--dimensions", is_flag=True, help="Measure the box round the model, on a sheet.")
+@click.option("--title", help="[default: the model's file]")
+@click.option("--date", default="", help="In the title block, as it is to stand there.")
+@click.option("--style", type=click.Choice(LINE_STYLES), help="[default: technical on a sheet, else plain]")
+@click.option("--kinds", type=WORDS, help=f"Which lines, of: {', '.join(LINE_KINDS)}.")
+@click.option(
+    "--crease", type=click.FloatRange(0.0, 180.0), default=30.0, show_default=True, metavar="DEG",
+    help="By how much a surface turns at a crease, degrees.",
+)  # fmt: skip
+@click.option("--tone", type=click.Choice(["hatching", "stippling"]), help="Show light and shade by strokes or dots.")
+@click.option("--fill", is_flag=True, help="Fill what is seen of each shape with its colour, as areas under the lines.")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows.")
+@click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
+@click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
+@click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
+@click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
+@click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
+@click.option("--background", type=BACKGROUND, default="white", show_default=True, help="transparent, white, gray, #RRGGBB or R,G,B.")
+@click.option("--dpi", type=click.FloatRange(1.0, 4800.0), help="Of a picture.  [default: 150 of a sheet, else 96]")
+@click.option("--model-up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Which axis of the model points up.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="Of --tone and --fill.  [default: all cores]")
+@click.option("--json", "as_json", is_flag=True, help="Tell about the drawing as JSON on standard output.")
+@_voice
+@click.pass_obj
+def draw(talk: Talk, /, **options: Any) -> None:
+    """Draw the lines of MODEL: outlines, creases, borders, and where shapes meet.
+
+    \b
+        limner draw part.glb -o part.svg
+        limner draw part.glb -o part.png --style sketch --tone hatching
+        limner draw part.stl -o sheet.pdf --views front,top,right,iso --unit mm --dimensions         a technical drawing
+        limner draw part.stl -o sheet.dxf --views front,right --projection third --paper A2 --scale 1:2
+    """
+    from .draw import Order, make_drawing
+
+    order = Order(**options)
+    if order.background == "environment":
+        raise click.UsageError("--background environment makes no sense here: transparent, a name, #RRGGBB or R,G,B")
+    if order.views is not None and (order.tone is not None or order.fill or order.camera is not None or order.eye is not None):
+        raise click.UsageError("a sheet has cameras of its own and lines only: --views excludes --tone, --fill, --camera and --eye")
+    _check_size(order.width, order.height)
+    _check_camera(order.camera, order.eye, order.target, order.up, order.yfov)
+    make_drawing(order, talk)
 
 
 @limner.command(short_help="Draw a model as lines, hidden ones left out: a picture or SVG.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -94,10 +95,17 @@ class Order:
     as_json: bool
     further: dict[str, Any] = field(default_factory=dict)
     report: bool = False
+    style: str | None = None
+    lines: bool = False
 
 
 def make_picture(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
+    if order.renderer == "lines":
+        from .draw import draw_picture
+
+        draw_picture(order, talk)
+        return
     _check_output(order)
     started = time.perf_counter()
     report = report_of_model(order.model, order.model_up, order.scene) if order.report else None
@@ -122,10 +130,9 @@ def make_picture(order: Order, talk: Talk) -> None:
             talk.say("report", line)
     loaded = time.perf_counter()
 
-    from ..render import render
-
+    make, styled = _maker(order)
     with Bar(enabled=not talk.quiet) as bar:
-        image = render(
+        image = make(
             scene,
             width=order.width,
             height=order.height,
@@ -150,11 +157,13 @@ def make_picture(order: Order, talk: Talk) -> None:
             threads=order.threads,
             aovs=order.aovs,
             on_progress=bar,
+            **styled,
             **order.further,
         )
     rendered = time.perf_counter()
     talk.warn(image.warnings)
-    image = _with_origin(image, order)
+    if not styled:
+        image = _with_origin(image, order)
     if key is not None:
         from ..draw.color_bar import with_color_bar
 
@@ -169,6 +178,17 @@ def make_picture(order: Order, talk: Talk) -> None:
         talk.code = INTERRUPTED
     if order.as_json:
         _tell(order, scene, image, seconds, report)
+
+
+def _maker(order: Order) -> tuple[Callable[..., Image], dict[str, Any]]:
+    """What makes the picture, and what it is told beside what every picture is told."""
+    from ..render import render
+
+    if order.style is None and not order.lines:
+        return render, {}
+    from ..produce.stylized import stylized
+
+    return stylized, {"style": order.style, "lines": order.lines}
 
 
 def _by_numbers(order: Order, scene: Scene) -> tuple[Scene, ColorBar | None]:

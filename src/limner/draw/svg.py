@@ -25,7 +25,7 @@ from .path import Arc, Cubic, Lines, Path
 from .stroke import Pen
 from .text import family, measure
 
-__all__ = ["path_data", "svg"]
+__all__ = ["number", "paint", "pairs", "path_data", "pen_attributes", "plain_words", "svg"]
 
 _FORBIDDEN = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")  # what XML 1.0 cannot hold
 
@@ -42,7 +42,7 @@ def svg(commands: Sequence[Command], width: int, height: int, background: Rgba =
     clips: dict[Bounds, str] = {}
     lines = []
     if background[3] > 0.0:
-        lines.append(f'<rect x="-0.5" y="-0.5" width="{width}" height="{height}"{_paint("fill", background)}/>')
+        lines.append(f'<rect x="-0.5" y="-0.5" width="{width}" height="{height}"{paint("fill", background)}/>')
     for command in commands:
         drawn = _elements(command, width, height)
         if command.clip is not None and drawn:
@@ -64,12 +64,12 @@ def path_data(path: Path) -> str:
     """
     words = []
     for subpath in path.subpaths:
-        words.append("M" + _pairs(subpath.start[None, :]))
+        words.append("M" + pairs(subpath.start[None, :]))
         for piece in subpath.pieces:
             if isinstance(piece, Lines):
-                words += ["L" + _pairs(point[None, :]) for point in piece.points]
+                words += ["L" + pairs(point[None, :]) for point in piece.points]
             elif isinstance(piece, Cubic):
-                words.append("C" + _pairs(piece.points))
+                words.append("C" + pairs(piece.points))
             else:
                 words.append(_arc(piece))
         if subpath.closed:
@@ -80,20 +80,20 @@ def path_data(path: Path) -> str:
 def _arc(arc: Arc) -> str:
     """SVG names an arc by its ends, so that a whole turn needs two."""
     if not (arc.radii > 0.0).all():
-        return "".join("L" + _pairs(point[None, :]) for point in arc.flattened(arc.center, 0.01))
+        return "".join("L" + pairs(point[None, :]) for point in arc.flattened(arc.center, 0.01))
     parts = max(1, math.ceil(abs(arc.sweep) / (0.999 * math.pi)))
-    radii = f"{_number(arc.radii[0])} {_number(arc.radii[1])} {_number(math.degrees(arc.rotation))}"
+    radii = f"{number(arc.radii[0])} {number(arc.radii[1])} {number(math.degrees(arc.rotation))}"
     clockwise = 1 if arc.sweep > 0.0 else 0
     ends = arc.at(arc.start + arc.sweep * np.arange(1, parts + 1) / parts)
-    return "".join(f"A{radii} 0 {clockwise} {_pairs(end[None, :])}" for end in ends)
+    return "".join(f"A{radii} 0 {clockwise} {pairs(end[None, :])}" for end in ends)
 
 
 def _elements(command: Command, width: int, height: int) -> list[str]:
     if isinstance(command, Filled):
         rule = ' fill-rule="evenodd"' if command.rule == "evenodd" else ""
-        return [f'<path d="{path_data(command.path)}"{_paint("fill", command.color)}{rule}/>']
+        return [f'<path d="{path_data(command.path)}"{paint("fill", command.color)}{rule}/>']
     if isinstance(command, Stroked):
-        return [f'<path d="{path_data(command.path)}" fill="none"{_paint("stroke", command.color)}{_stroke(command.pen)}/>']
+        return [f'<path d="{path_data(command.path)}" fill="none"{paint("stroke", command.color)}{pen_attributes(command.pen)}/>']
     if isinstance(command, Segments):
         return _segments(command)
     if isinstance(command, Triangles):
@@ -105,14 +105,14 @@ def _elements(command: Command, width: int, height: int) -> list[str]:
 
 def _segments(command: Segments) -> list[str]:
     """Lines of one opaque colour are one path; others lie one over the other."""
-    style = _stroke(command.pen)
-    words = [f"M{_pairs(line[None, :2])}L{_pairs(line[None, 2:])}" for line in command.lines]
+    style = pen_attributes(command.pen)
+    words = [f"M{pairs(line[None, :2])}L{pairs(line[None, 2:])}" for line in command.lines]
     if len(words) and (command.colors == command.colors[0]).all() and command.colors[0, 3] == 1.0:
         words, colors = ["".join(words)], command.colors[:1]
     else:
         colors = command.colors
     return [
-        f'<path d="{word}" fill="none"{_paint("stroke", _straight(color))}{style}/>'
+        f'<path d="{word}" fill="none"{paint("stroke", _straight(color))}{style}/>'
         for word, color in zip(words, colors, strict=True)
     ]
 
@@ -120,7 +120,7 @@ def _segments(command: Segments) -> list[str]:
 def _triangles(command: Triangles, width: int, height: int) -> list[str]:
     if (command.colors == command.colors[:, :1]).all():
         return [
-            f'<path d="M{"L".join(_pairs(point[None, :]) for point in corners)}Z"{_paint("fill", _straight(colors[0]))}/>'
+            f'<path d="M{"L".join(pairs(point[None, :]) for point in corners)}Z"{paint("fill", _straight(colors[0]))}/>'
             for corners, colors in zip(command.corners, command.colors, strict=True)
         ]
     alpha = command.colors[..., 3:]
@@ -132,30 +132,31 @@ def _triangles(command: Triangles, width: int, height: int) -> list[str]:
 
 def _text(command: Written) -> list[str]:
     text = command.text
-    style = f'font-family={quoteattr(family(text))} font-size="{_number(text.size)}"{_paint("fill", command.color)}'
+    style = f'font-family={quoteattr(family(text))} font-size="{number(text.size)}"{paint("fill", command.color)}'
     return [
-        f'<text x="{_number(line.x)}" y="{_number(line.y)}" textLength="{_number(line.advance)}" xml:space="preserve"'
-        f' lengthAdjust="spacingAndGlyphs" {style}>{_words(line.words)}</text>'
+        f'<text x="{number(line.x)}" y="{number(line.y)}" textLength="{number(line.advance)}" xml:space="preserve"'
+        f' lengthAdjust="spacingAndGlyphs" {style}>{plain_words(line.words)}</text>'
         for line in measure(text, command.x, command.y).lines
         if line.words.strip()
     ]
 
 
-def _words(text: str) -> str:
+def plain_words(text: str) -> str:
+    """A text as the content of an element."""
     return escape(_FORBIDDEN.sub("\ufffd", text))
 
 
 def _picture(command: Pasted) -> str:
     image: Image = command.image
     data = base64.b64encode(png_bytes(image.to_uint8())).decode("ascii")
-    place = f'x="{_number(command.x - 0.5)}" y="{_number(command.y - 0.5)}" width="{image.width}" height="{image.height}"'
+    place = f'x="{number(command.x - 0.5)}" y="{number(command.y - 0.5)}" width="{image.width}" height="{image.height}"'
     return f'<image {place} href="data:image/png;base64,{data}"/>'
 
 
 def _clip_path(bounds: Bounds, name: str) -> str:
     left, top, right, bottom = bounds
-    size = f'width="{_number(max(0.0, right - left))}" height="{_number(max(0.0, bottom - top))}"'
-    return f'<clipPath id="{name}"><rect x="{_number(left)}" y="{_number(top)}" {size}/></clipPath>'
+    size = f'width="{number(max(0.0, right - left))}" height="{number(max(0.0, bottom - top))}"'
+    return f'<clipPath id="{name}"><rect x="{number(left)}" y="{number(top)}" {size}/></clipPath>'
 
 
 def _straight(premultiplied: np.ndarray) -> Rgba:
@@ -163,31 +164,34 @@ def _straight(premultiplied: np.ndarray) -> Rgba:
     return (r / a, g / a, b / a, a) if a > 0.0 else (0.0, 0.0, 0.0, 0.0)
 
 
-def _paint(what: str, color: Rgba) -> str:
-    opacity = "" if color[3] == 1.0 else f' {what}-opacity="{_number(color[3])}"'
+def paint(what: str, color: Rgba) -> str:
+    """The attributes of a colour: `what` is "fill" or "stroke"."""
+    opacity = "" if color[3] == 1.0 else f' {what}-opacity="{number(color[3])}"'
     return f' {what}="{hex_from_linear(color)}"{opacity}'
 
 
-def _stroke(pen: Pen) -> str:
+def pen_attributes(pen: Pen) -> str:
     """The attributes that differ from SVG's own defaults."""
-    words = [f' stroke-width="{_number(pen.width)}"'] if pen.width != 1.0 else []
+    words = [f' stroke-width="{number(pen.width)}"'] if pen.width != 1.0 else []
     if pen.cap != "butt":
         words.append(f' stroke-linecap="{pen.cap}"')
     if pen.join != "miter":
         words.append(f' stroke-linejoin="{pen.join}"')
     if pen.miter_limit != 4.0:
-        words.append(f' stroke-miterlimit="{_number(pen.miter_limit)}"')
+        words.append(f' stroke-miterlimit="{number(pen.miter_limit)}"')
     if pen.dashes:
-        words.append(f' stroke-dasharray="{" ".join(map(_number, pen.dashes))}"')
+        words.append(f' stroke-dasharray="{" ".join(map(number, pen.dashes))}"')
         if pen.dash_offset:
-            words.append(f' stroke-dashoffset="{_number(pen.dash_offset)}"')
+            words.append(f' stroke-dashoffset="{number(pen.dash_offset)}"')
     return "".join(words)
 
 
-def _pairs(points: np.ndarray) -> str:
-    return " ".join(_number(value) for value in points.ravel().tolist())
+def pairs(points: np.ndarray) -> str:
+    """Coordinates one after the other."""
+    return " ".join(number(value) for value in points.ravel().tolist())
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
+    """A number with at most four decimals, and no more than it needs."""
     text = f"{value:.4f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

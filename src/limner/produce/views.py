@@ -34,7 +34,7 @@ from .facts import dominant_colors, facts, number, report_of_pixels, tight_bound
 from .sheet import Canvas, Grid, Rgb, Stroke, shortened, text_width, wrapped
 from .turntable import without_lights
 
-__all__ = ["ARROW", "PROJECTIONS", "VIEWS", "Sheet", "Tip", "axis_tips", "glyph_origin", "standard_cameras", "views"]
+__all__ = ["ARROW", "PROJECTIONS", "VIEWS", "Sheet", "Tip", "axis_tips", "glyph_origin", "standard_cameras", "views", "without_planes"]
 
 PROJECTIONS = ("orthographic", "perspective")
 
@@ -147,7 +147,7 @@ def views(
     from ..render import Renderer
 
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
-    shown, left_out = _without_planes(scene)
+    shown, left_out = without_planes(scene)
     if not own_lights:
         shown = shown.replace(root=without_lights(shown.root), environment=None)
     corners = _corners(shown)
@@ -230,7 +230,7 @@ def _corners(scene: Scene) -> Floats:
     return np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
 
 
-def _without_planes(scene: Scene) -> tuple[Scene, list[str]]:
+def without_planes(scene: Scene) -> tuple[Scene, list[str]]:
     """What has an end; the background goes, too, so that it can be seen where the model is."""
     kept = _bounded(scene.root)
     notes = [] if kept is scene.root else ["infinite planes are left out"]

@@ -1,0 +1,185 @@
+"""Which edges of triangles are lines of a drawing (FoCG 10.3.1): silhouettes, boundaries, creases, material and uv seams.
+
+              n0     n1                       n0 . e > 0: this side faces the eye
+               \\     /
+          ______\\ | /______                  an edge is a silhouette where one side faces the eye and the other does not,
+                 \\|/                         (e . n0)(e . n1) <= 0; a crease where n0 and n1 differ by more than an angle
+                 edge
+
+A triangle that is seen edge-on counts as facing away, so that of a box seen from the front one side of each edge does, and not both.
+
+**Source**: FoCG 10.3.1; the summary's test.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mesh.adjacency import Adjacency, adjacency_of_triangles
+from ..mesh.normals import inner, triangle_vectors
+from .creases import lasting
+from .segments import ROUNDING, Segments
+from .sight_lines import SightLines
+from .surfaces import Surfaces, corner_normals
+
+__all__ = ["Faces", "Wanted", "edge_segments", "faces_of"]
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+_EDGE_ON = 1e-7  # sine of the angle between a triangle and the ray to the eye: what rounding to float32 leaves of 0
+_SLIVER = 1e-6  # height by longest side of a triangle whose normal is noise
+
+
+class Faces(NamedTuple):
+    """What edges need to know of their triangles.
+
+    Attributes
+    ----------
+    adjacency : Adjacency
+    normals : (m, 3) float64
+        Unit; of a sliver that of its neighbour across its longest side.
+    facing : (m,) int64
+        1: towards the eye, -1: away, 0: edge-on.
+    """
+
+    adjacency: Adjacency
+    normals: Floats
+    facing: Indices
+
+
+class Wanted(NamedTuple):
+    """Rows of the kinds of lines among those of a drawing; -1: not asked for. The first that an edge fits is what it is."""
+
+    boundary: int
+    silhouette: int
+    crease: int
+    material: int
+    uv_seam: int
+
+
+def faces_of(surfaces: Surfaces, sight: SightLines) -> Faces:
+    """Find which triangles touch, and which way they face."""
+    adjacency = adjacency_of_triangles(surfaces.triangles, len(surfaces.points))
+    e, f, g, across = triangle_vectors(surfaces.points, surfaces.triangles)
+    double_area = np.sqrt(inner(across, across))
+    sides = np.stack([inner(e, e), inner(f, f), inner(g, g)], axis=1)
+    sliver = double_area <= _SLIVER * sides.max(axis=1, initial=0.0)
+    scale = np.where(sliver, 0.0, 1.0 / np.where(sliver, 1.0, double_area))
+    normals = np.stack(across, axis=1) * scale[:, None]
+    towards = sight.towards(surfaces.points[surfaces.triangles[:, 0]]) if len(normals) else np.zeros((0, 3))
+    length = np.sqrt((towards * towards).sum(axis=1))
+    cosine = (normals * towards).sum(axis=1)
+    facing = (cosine > _EDGE_ON * length).astype(np.int64) - (cosine < -_EDGE_ON * length)
+    if sliver.any():
+        _borrow(adjacency, sides, np.flatnonzero(sliver), sliver, normals, facing)
+    return Faces(adjacency, normals, facing)
+
+
+def _borrow(adjacency: Adjacency, sides: Floats, rows: Indices, sliver: Flags, normals: Floats, facing: Indices) -> None:
+    """Give slivers what their neighbour across the longest side has; twice, for slivers lie beside slivers."""
+    for _ in range(2):
+        half_edge = 3 * rows + sides[rows].argmax(axis=1)
+        beside = adjacency.opposite[half_edge]
+        known = (beside >= 0) & ~sliver[beside // 3]
+        mine, other = rows[known], beside[known] // 3
+        normals[mine], facing[mine] = normals[other], facing[other]
+        sliver[mine] = False
+        rows = rows[~known]
+
+
+def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees: float) -> Segments:
+    """The edges that are lines of a drawing, each once."""
+    kind = _kinds_of(surfaces, faces, _beside(faces.adjacency), wanted, crease_degrees)
+    found = np.flatnonzero(kind >= 0)
+    ends = surfaces.points[faces.adjacency.edges[found]]
+    none = np.full((len(found), 2), -1, dtype=np.int64)
+    slack, own = np.full(len(found), ROUNDING * surfaces.extent), np.zeros(len(found), dtype=np.int64)
+    return Segments(kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
+
+
+class _Beside(NamedTuple):
+    """The half-edges of edges: the first two (the first twice where there is one), how many there are, and whether the two run against
+    each other, as they do where both triangles have the same side out."""
+
+    one: NDArray[np.int32]
+    other: NDArray[np.int32]
+    n_triangles: NDArray[np.int32]
+    alike: Flags
+
+
+def _beside(adjacency: Adjacency) -> _Beside:
+    count, first = adjacency.edge_counts, adjacency.edge_start[:-1]
+    one, other = adjacency.edge_halfedges[first], adjacency.edge_halfedges[first + (count > 1)]
+    start = adjacency.triangles.reshape(-1)
+    return _Beside(one, other, count, start[one] != start[other])
+
+
+def _kinds_of(surfaces: Surfaces, faces: Faces, beside: _Beside, wanted: Wanted, crease_degrees: float) -> Indices:
+    """(k,) int64: of what kind each edge is; -1: it is no line."""
+    one, other, count, alike = beside
+    s, t = one // 3, other // 3
+    paired = count == 2
+    kind = np.full(len(count), -1, dtype=np.int64)
+    # What comes later counts more.
+    if wanted.uv_seam >= 0:
+        kind[paired & _torn(surfaces, one, other, alike)] = wanted.uv_seam
+    if wanted.material >= 0:
+        kind[paired & (surfaces.material[s] != surfaces.material[t])] = wanted.material
+    if wanted.crease >= 0:
+        kind[_creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))] = wanted.crease
+    if wanted.silhouette >= 0:
+        facing = np.where(alike, faces.facing[t], -faces.facing[t])
+        kind[paired & ((faces.facing[s] > 0) != (facing > 0))] = wanted.silhouette
+    if wanted.boundary >= 0:
+        kind[count == 1] = wanted.boundary
+    kind[~surfaces.bounded[s]] = -1
+    return kind
+
+
+def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) -> Flags:
+    """Which edges turn by more than an angle, whose cosine is given, or have more than two triangles."""
+    one, other, count, alike = beside
+    cosine = (faces.normals[one // 3] * faces.normals[other // 3]).sum(axis=1) * np.where(alike, 1.0, -1.0)
+    paired = (count == 2) & (cosine < limit)
+    exact = paired & surfaces.exact[one // 3]
+    paired[exact] = _bent(surfaces, one[exact], other[exact], limit)
+    extents = _extents(surfaces)[surfaces.instance[one // 3]]
+    return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents)
+
+
+def _bent(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], limit: float) -> Flags:
+    """Of some edges of exact shapes, whether the shape bends there, and not only the triangles that stand for it."""
+    if not len(one):
+        return np.zeros(0, dtype=bool)
+    normals = corner_normals(surfaces).reshape(-1, 3)
+    after, before = (np.where(k % 3 == 2, k - 2, k + 1) for k in (one, other))
+    first, second = ((normals[p] * normals[q]).sum(axis=1) for p, q in ((one, before), (after, other)))
+    return np.asarray((first < limit) | (second < limit))
+
+
+def _extents(surfaces: Surfaces) -> Floats:
+    """Of every shape, metres."""
+    made = np.zeros(len(surfaces.shapes))
+    first = np.searchsorted(surfaces.instance, np.arange(len(made) + 1))
+    for number in range(len(made)):
+        held = surfaces.points[surfaces.triangles[first[number] : first[number + 1]]].reshape(-1, 3)
+        made[number] = np.linalg.norm(np.ptp(held, axis=0)) if len(held) else 0.0
+    return made
+
+
+def _torn(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], alike: Flags) -> Flags:
+    """Whether texture coordinates differ across edges, given by their half-edges; `alike`: those run against each other."""
+    uvs = surfaces.uvs.reshape(-1, 2)
+
+    def ends(half_edge: NDArray[np.int32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        return uvs[half_edge], uvs[np.where(half_edge % 3 == 2, half_edge - 2, half_edge + 1)]
+
+    (a, b), (c, d) = ends(one), ends(other)
+    swapped = alike[:, None]
+    return np.asarray(((a != np.where(swapped, d, c)) | (b != np.where(swapped, c, d))).any(axis=1))

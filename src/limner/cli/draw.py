@@ -1,0 +1,167 @@
+"""`limner draw`, and `limner render --renderer lines`: lines on a page or a sheet of paper, as vectors or as a picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import click
+
+from ..errors import LimnerError
+from .bar import Bar
+from .model import open_model
+from .render import Sight, chosen_camera
+from .talk import Talk
+from .values import Background, Triple
+
+if TYPE_CHECKING:
+    from ..produce.drawing import Plate
+
+__all__ = ["KINDS", "LINE_STYLES", "PICTURE_STYLES", "Order", "PictureOrder", "check_output", "draw_picture", "make_drawing"]
+
+KINDS = ("silhouette", "smooth_silhouette", "crease", "boundary", "material", "uv_seam", "intersection", "suggestive_contour")
+LINE_STYLES = ("plain", "technical", "sketch", "xray", "chalk")
+PICTURE_STYLES = ("gooch", "toon", "xray")
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a command line asks for; None: the default of `limner.drawing` or `limner.technical_sheet`."""
+
+    model: str
+    output: str
+    views: tuple[str, ...] | None
+    projection: str
+    paper: str
+    scale: str | None
+    unit: str
+    dimensions: bool
+    title: str | None
+    date: str
+    style: str | None
+    kinds: tuple[str, ...] | None
+    crease: float
+    tone: str | None
+    fill: bool
+    width: int
+    height: int
+    camera: str | None
+    eye: Triple | None
+    target: Triple | None
+    up: Triple | None
+    yfov: float | None
+    background: Background
+    dpi: float | None
+    model_up: str
+    threads: int | None
+    as_json: bool
+
+
+class PictureOrder(Sight, Protocol):
+    """What `limner render` says of a picture of lines."""
+
+    @property
+    def output(self) -> str: ...
+    @property
+    def style(self) -> str | None: ...
+    @property
+    def scene(self) -> str | None: ...
+    @property
+    def variant(self) -> str | None: ...
+    @property
+    def time(self) -> float | None: ...
+    @property
+    def animation(self) -> str | int | None: ...
+    @property
+    def model_up(self) -> str: ...
+    @property
+    def background(self) -> Background | None: ...
+    @property
+    def as_json(self) -> bool: ...
+
+
+def make_drawing(order: Order, talk: Talk) -> None:
+    """Fulfil `order`."""
+    check_output(order.output)
+    scene = open_model(order.model, order.model_up)
+    talk.note(scene.notes)
+    wanted: dict[str, Any] = {"crease_degrees": order.crease}
+    if order.kinds is not None:
+        wanted["kinds"] = order.kinds
+    if order.style is not None:
+        wanted["style"] = order.style
+    with Bar(enabled=not talk.quiet) as bar:
+        if order.views is not None:
+            from ..produce.draw_sheet import technical_sheet
+
+            plate = technical_sheet(
+                scene, views=order.views, projection=order.projection, paper=order.paper, scale=order.scale, unit=order.unit,
+                dimensions=order.dimensions, title=_title(order), date=order.date, on_progress=bar, **wanted,
+            )  # fmt: skip
+        else:
+            from ..produce.draw_sheet import SHEET_UNITS
+            from ..produce.drawing import drawing
+            from ..produce.sheet_layout import read_scale
+
+            plate = drawing(
+                scene, width=order.width, height=order.height, camera=chosen_camera(order, scene),
+                scale=None if order.scale is None else read_scale(order.scale), unit_mm=SHEET_UNITS[order.unit], tone=order.tone,
+                fill=order.fill, background=_paper(order.background), title=_title(order), threads=order.threads, on_progress=bar, **wanted,
+            )  # fmt: skip
+    _finish(order.model, order.output, plate, order.as_json, talk, order.dpi)
+
+
+def draw_picture(order: PictureOrder, talk: Talk) -> None:
+    """Fulfil what `limner render --renderer lines` asks for."""
+    check_output(order.output)
+    scene = open_model(order.model, order.model_up, order.scene)
+    if order.variant is not None:
+        from ..scene.variants import with_variant
+
+        scene = with_variant(scene, order.variant)
+    if order.time is not None or order.animation is not None:
+        from ..scene.pose import at
+        from .animate import chosen_animation
+
+        scene = at(scene, order.time or 0.0, chosen_animation(order.animation))
+    talk.note(scene.notes)
+    from ..produce.drawing import drawing
+
+    with Bar(enabled=not talk.quiet) as bar:
+        plate = drawing(
+            scene, width=order.width, height=order.height, camera=chosen_camera(order, scene), style=order.style or "plain",
+            background=_paper("white" if order.background is None else order.background), on_progress=bar,
+        )  # fmt: skip
+    _finish(order.model, order.output, plate, order.as_json, talk)
+
+
+def check_output(output: str) -> None:
+    """Refuse an output that cannot be written before anything is computed for it."""
+    from ..produce.drawing import check_plate
+
+    try:
+        check_plate(output)
+    except LimnerError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _paper(background: Background) -> Background | None:
+    """The paper's colour; None: there is none."""
+    return None if background == "transparent" else background
+
+
+def _title(order: Order) -> str:
+    from pathlib import Path
+
+    return Path(order.model).name if order.title is None else order.title
+
+
+def _finish(model: str, output: str, plate: Plate, as_json: bool, talk: Talk, dpi: float | None = None) -> None:
+    """Save what was drawn, and tell about it."""
+    if not plate.facts["lines"]:
+        talk.warn(["nothing of the model is in the picture: there are no lines"])
+    plate.save(output, dpi=dpi)
+    if as_json:
+        import json
+
+        click.echo(json.dumps({"model": model, "output": output, **plate.facts}, sort_keys=True))

@@ -8,6 +8,7 @@ import click
 
 from .. import __version__
 from .curve import FRACTALS, KINDS
+from .explain import explain
 from .mesh import mesh
 from .schema import schema
 from .talk import Talk
@@ -34,6 +35,7 @@ def limner() -> None:
     """
 
 
+limner.add_command(explain)
 limner.add_command(mesh)
 limner.add_command(schema)
 

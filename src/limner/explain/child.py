@@ -1,0 +1,91 @@
+"""The process in which a pixel is computed once more as Python, with everything that happens written down.
+
+A process that draws has compiled kernels, in which nothing can be looked at. This one is started with ``LIMNER_MODE=traced``, takes a
+request on standard input (what the compiled kernel was called with, for one pixel), makes the same call, and answers with the story and
+with what the film then holds. Run by `limner.explain.explain`, not by people.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import pickle
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .lobes import lobes
+from .tell import Teller, parameters_of
+from .values import Names, shortest
+from .watch import WATCHED, watch
+
+__all__ = ["Request", "answer", "main"]
+
+_FOLLOWED = ("limner.raytrace", "limner.raster.fragment", "limner.raster.shadow", "limner.visibility.shadow")
+"""Where kernels add light up."""
+
+
+class Request(NamedTuple):
+    """A call to make.
+
+    Attributes
+    ----------
+    module, function : str
+        The kernel.
+    arguments : tuple
+        As the compiled one was called; in the place of the film, its shape.
+    film : int
+        Which of them is the film.
+    pixel : int
+        Row of the film, if it is taken as (n, 4).
+    names : dict of str to (int, tuple of str)
+        What rows of tables are called, by what they are, with which argument is the table.
+    """
+
+    module: str
+    function: str
+    arguments: tuple[Any, ...]
+    film: int
+    pixel: int
+    names: dict[str, tuple[int, tuple[str, ...]]]
+
+
+def answer(request: Request) -> dict[str, Any]:
+    """Make the call; plain values: ``steps``, ``film``, the four sums of the pixel, and ``lobes``, as `limner.explain.lobes` has them."""
+    kernel = getattr(importlib.import_module(request.module), request.function)
+    arguments = list(request.arguments)
+    film: NDArray[np.float32] = np.zeros(arguments[request.film], dtype=np.float32)
+    arguments[request.film] = film
+    names = Names({kind: (arguments[place], told) for kind, (place, told) in request.names.items()})
+    record = watch(kernel, arguments, _followed())
+    calls = record.calls[0].calls if record.calls and parameters_of(record.calls[0].name) else record.calls
+    steps = Teller(record, names).steps(calls)
+    sums = film.reshape(-1, 4)[request.pixel]
+    film_sums = [shortest(value) for value in sums]
+    return {"steps": [step.as_dict() for step in steps], "film": film_sums, "lobes": lobes(record.calls)}
+
+
+def _followed() -> list[Callable[..., Any]]:
+    """The kernels that are loaded and add light up."""
+    found = []
+    for name, module in list(sys.modules.items()):
+        if name.startswith(_FOLLOWED):
+            for function in vars(module).values():
+                inner = getattr(function, "__wrapped__", None)
+                if inner is not None and inner.__module__ == name and set(WATCHED) & set(inner.__code__.co_varnames):
+                    found.append(function)
+    return found
+
+
+def main() -> None:
+    """Answer one request."""
+    request = pickle.load(sys.stdin.buffer)
+    told = json.dumps(answer(request))
+    sys.stdout.write(told)
+
+
+if __name__ == "__main__":
+    main()

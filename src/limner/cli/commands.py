@@ -8,6 +8,7 @@ import click
 
 from .. import __version__
 from .curve import FRACTALS, KINDS
+from .doctor import doctor
 from .explain import explain
 from .mesh import mesh
 from .schema import schema
@@ -35,6 +36,7 @@ def limner() -> None:
     """
 
 
+limner.add_command(doctor)
 limner.add_command(explain)
 limner.add_command(mesh)
 limner.add_command(schema)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .lobes import lobes
-from .tell import Teller, parameters_of
+from .tell import Teller
 from .values import Names, shortest
 from .watch import WATCHED, watch
 
@@ -29,7 +29,7 @@ _FOLLOWED = ("limner.raytrace", "limner.raster.fragment", "limner.raster.shadow"
 
 
 class Request(NamedTuple):
-    """A call to make.
+    """Calls to make, which differ in few numbers.
 
     Attributes
     ----------
@@ -37,6 +37,8 @@ class Request(NamedTuple):
         The kernel.
     arguments : tuple
         As the compiled one was called; in the place of the film, its shape.
+    changes : tuple of dict
+        For each call, which arguments are others, by their places.
     film : int
         Which of them is the film.
     pixel : int
@@ -48,24 +50,27 @@ class Request(NamedTuple):
     module: str
     function: str
     arguments: tuple[Any, ...]
+    changes: tuple[dict[int, Any], ...]
     film: int
     pixel: int
     names: dict[str, tuple[int, tuple[str, ...]]]
 
 
-def answer(request: Request) -> dict[str, Any]:
-    """Make the call; plain values: ``steps``, ``film``, the four sums of the pixel, and ``lobes``, as `limner.explain.lobes` has them."""
+def answer(request: Request) -> list[dict[str, Any]]:
+    """Make the calls; of each plain values: ``steps``; ``film``, the four sums of the pixel; ``lobes`` (`limner.explain.lobes`)."""
     kernel = getattr(importlib.import_module(request.module), request.function)
     arguments = list(request.arguments)
     film: NDArray[np.float32] = np.zeros(arguments[request.film], dtype=np.float32)
     arguments[request.film] = film
     names = Names({kind: (arguments[place], told) for kind, (place, told) in request.names.items()})
-    record = watch(kernel, arguments, _followed())
-    calls = record.calls[0].calls if record.calls and parameters_of(record.calls[0].name) else record.calls
-    steps = Teller(record, names).steps(calls)
-    sums = film.reshape(-1, 4)[request.pixel]
-    film_sums = [shortest(value) for value in sums]
-    return {"steps": [step.as_dict() for step in steps], "film": film_sums, "lobes": lobes(record.calls)}
+    sums, followed, answers = film.reshape(-1, 4)[request.pixel], _followed(), []
+    for change in request.changes:
+        sums[:] = 0.0
+        record = watch(kernel, [change.get(place, value) for place, value in enumerate(arguments)], followed)
+        steps = Teller(record, names).steps([made for call in record.calls for made in call.calls])
+        film_sums = [shortest(value) for value in sums]
+        answers.append({"steps": [step.as_dict() for step in steps], "film": film_sums, "lobes": lobes(record.calls)})
+    return answers
 
 
 def _followed() -> list[Callable[..., Any]]:
@@ -81,7 +86,7 @@ def _followed() -> list[Callable[..., Any]]:
 
 
 def main() -> None:
-    """Answer one request."""
+    """Answer one request, as JSON."""
     request = pickle.load(sys.stdin.buffer)
     told = json.dumps(answer(request))
     sys.stdout.write(told)

@@ -83,7 +83,7 @@ def _triangles(story: Step) -> list[dict[str, Any]]:
 
 def _boxes(frame: Frame) -> list[dict[str, Any]]:
     paths = names_of(frame.scene)["instance_id"]
-    found = []
+    found: list[dict[str, Any]] = []
     for name, (placed, shape) in zip(paths, frame.scene.shapes(), strict=False):
         low, high = (np.asarray(corner, dtype=np.float64) for corner in shape.geometry.bounds)
         if len(found) == _MOST_BOXES:

@@ -192,7 +192,7 @@ def explain(
             contributions = _contributions(calls, frame, ranges, i, j)
         pixel = _developed(frame, [contribution.sums for contribution in contributions], ranges[-1][1], i, j)
     told = _told(sample, contributions, ranges, asked["renderer"])
-    answers = {k: _traced(frame, contributions[k].call, i, j) for k in told}
+    answers = dict(zip(told, _traced(frame, [contributions[k].call for k in told], i, j), strict=True))
     exact = {k: _same_bits(answers[k]["film"], contributions[k].sums) for k in told}
     steps = [_sample_step(k, ranges, contributions[k].sums, answers.get(k), exact.get(k)) for k in range(len(ranges))]
     told_steps, others = [steps[k] for k in told], [step for k, step in enumerate(steps) if k not in answers]
@@ -290,9 +290,9 @@ def _parameters(call: DoorCall) -> tuple[str, ...]:
     return parameters_of(f"{call.module}.{call.function}")
 
 
-def _traced(frame: Frame, call: DoorCall, i: int, j: int) -> dict[str, Any]:
-    """What the traced kernel finds where the compiled one was called."""
-    request = _request(frame, call, i, j)
+def _traced(frame: Frame, calls: Sequence[DoorCall], i: int, j: int) -> list[dict[str, Any]]:
+    """What the traced kernel finds where the compiled one was called, call by call."""
+    request = _request(frame, calls, i, j)
     package = str(Path(__file__).resolve().parents[2])
     places = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "LIMNER_MODE": "traced", "PYTHONPATH": os.pathsep.join(places)}
@@ -303,11 +303,12 @@ def _traced(frame: Frame, call: DoorCall, i: int, j: int) -> dict[str, Any]:
     if done.returncode:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
         raise RenderError(f"the pixel could not be traced: {lines[-1] if lines else f'exit code {done.returncode}'}")
-    told: dict[str, Any] = json.loads(done.stdout)
+    told: list[dict[str, Any]] = json.loads(done.stdout)
     return told
 
 
-def _request(frame: Frame, call: DoorCall, i: int, j: int) -> Request:
+def _request(frame: Frame, calls: Sequence[DoorCall], i: int, j: int) -> Request:
+    call = calls[0]
     arguments, film = list(call.arguments), _film_of(frame, call)
     arguments[film] = call.arguments[film].shape
     tables = frame.built.tables
@@ -320,7 +321,14 @@ def _request(frame: Frame, call: DoorCall, i: int, j: int) -> Request:
         if isinstance(value, np.ndarray) and value.dtype == table.dtype
     }  # fmt: skip
     _leave_out_far_triangles(arguments, _parameters(call), i, j)
-    return Request(call.module, call.function, tuple(arguments), film, j * frame.film.sums.shape[1] + i, places)
+    changes = tuple(_changes(call, other) for other in calls)
+    return Request(call.module, call.function, tuple(arguments), changes, film, j * frame.film.sums.shape[1] + i, places)
+
+
+def _changes(call: DoorCall, other: DoorCall) -> dict[int, Any]:
+    """Which numbers another call of the same kernel was made with, by their places."""
+    pairs = enumerate(zip(call.arguments, other.arguments, strict=True))
+    return {place: new for place, (old, new) in pairs if not isinstance(new, np.ndarray) and old != new}
 
 
 def _film_of(frame: Frame, call: DoorCall) -> int:

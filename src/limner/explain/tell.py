@@ -131,7 +131,7 @@ class Teller:
         arguments = arguments_of(call)
         met = self._hit(call.result) if hasattr(call.result, "instance") else plain(call.result)
         words = met if isinstance(met, str) else text_of(met.get("of", "")) if isinstance(met, dict) else "something"
-        terms = {name: plain(arguments[name]) for name in ("o", "d", "t_min", "t_max") if name in arguments}
+        terms: dict[str, Any] = {name: plain(arguments[name]) for name in ("o", "d", "t_min", "t_max") if name in arguments}
         ray = Step(f"ray {number} meets {words}", terms, met, "p(t) = o + t d", "accel.walk.first_hit", source_of(call.name), "ray")
         sender.steps.append(ray)
         return ray

@@ -78,7 +78,12 @@ CHAPTERS = (
     Chapter("shading.texture._texel", "a texel", ("place",), is_leaf=True),
     Chapter("shading.texture._deep_texel", "a texel", ("place",), is_leaf=True),
     Chapter("shading.texture._anisotropic", "several probes along the footprint", ("u", "v"), is_leaf=True),
-    Chapter("shading.texture.*", ""),
+    Chapter("shading.texture._fold", is_hidden=True),
+    Chapter("shading.texture._neighbour", is_hidden=True),
+    Chapter("shading.texture._decoded", is_hidden=True),
+    Chapter("shading.texture.*"),
+    Chapter("shading.analytic.*", is_hidden=True),
+    Chapter("shading.exact.*", "the point on the exact shape", (), is_leaf=True),
     Chapter("shading.surface.*", is_hidden=True),
     # Light
     Chapter("shading.lights.illuminate", "what arrives from {light}, if nothing hides it", ("light", "p"), is_leaf=True),
@@ -92,7 +97,7 @@ CHAPTERS = (
     Chapter("shading.sky.sample_sky", "a direction of the sky", ("u", "v"), is_leaf=True),
     Chapter("shading.emitters.sample_emitter", "a point of a surface that shines", ("p", "choice", "u", "v"), is_leaf=True),
     Chapter("visibility.shadow.transmittance", "how much of it gets here", ("wi", "distance")),
-    Chapter("raster.shadow.*", ""),
+    Chapter("raster.shadow.*"),
     # Transport
     Chapter("shading.dielectric.meet_interface", "reflected and refracted (Fresnel, Snell)", ("n", "d", "n_i", "n_t")),
     Chapter("shading.dielectric.reflectance", "how much is reflected", ("cos_i", "cos_t", "n_i", "n_t")),

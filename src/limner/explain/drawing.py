@@ -17,6 +17,7 @@ __all__ = ["drawing_of"]
 
 _MOST_BOXES = 200
 _MOST_RAYS = 400
+_MISS = 0.3  # of the scene's size: how long a ray is drawn that meets nothing
 
 
 def drawing_of(frame: Frame, story: Step, lobes: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -57,7 +58,7 @@ def _ray(frame: Frame, step: Step, reach: float, width: int, height: int) -> dic
     start, way = np.array(step.terms["o"], dtype=np.float64), np.array(step.terms["d"], dtype=np.float64)
     limit = float(step.terms.get("t_max", math.inf))
     t = float(step.result["t"]) if isinstance(step.result, dict) else limit
-    end = start + way * (t if math.isfinite(t) else reach / max(float(np.linalg.norm(way)), 1e-9))
+    end = start + way * (t if math.isfinite(t) else _MISS * reach / max(float(np.linalg.norm(way)), 1e-9))
     is_eye = step.kind == "ray" and step.title.startswith("ray 1 ")
     kind = "eye" if is_eye else "ray" if step.kind == "ray" else "blocked" if isinstance(step.result, dict) else "shadow"
     places = [_pixel(frame, point, width, height) for point in (start, end)]

@@ -33,6 +33,7 @@ from .._door import DoorCall, witnessed
 from .._jit import MODE
 from ..errors import RenderError, SceneError, UnsupportedError
 from ..image.png import png_bytes
+from ..raster.layouts import SUBPIXELS
 from ..render import Frame, Renderer
 from ..scene.camera import Camera
 from ..scene.scene import Scene
@@ -196,7 +197,8 @@ def explain(
     exact = {k: _same_bits(answers[k]["film"], contributions[k].sums) for k in told}
     steps = [_sample_step(k, ranges, contributions[k].sums, answers.get(k), exact.get(k)) for k in range(len(ranges))]
     told_steps, others = [steps[k] for k in told], [step for k, step in enumerate(steps) if k not in answers]
-    spaces = triangle_in_every_space(frame, [step for sample in told_steps for step in sample.steps], width, height)
+    screen = _screen_triangles(contributions[0].call)
+    spaces = triangle_in_every_space(frame, [step for sample in told_steps for step in sample.steps], width, height, screen)
     if others:
         told_steps.append(Step("the other samples, of which only the sum is told", kind="note", steps=others))
     story = _story(x, y, asked["renderer"], pixel, ranges[-1][1], told_steps, spaces, frame)
@@ -341,6 +343,16 @@ def _texture_names(frame: Frame) -> tuple[str, ...]:
     return tuple(names) if len(names) == len(frame.built.tables.textures) else ()
 
 
+def _screen_triangles(call: DoorCall) -> NDArray[np.void] | None:
+    """The rasteriser's triangles that may touch the pixel's tile; None where the call has none."""
+    named = dict(zip(_parameters(call), call.arguments, strict=False))
+    if not {"screen", "binned", "bin_range", "tile"} <= set(named):
+        return None
+    tile, ranges = int(named["tile"]), named["bin_range"]
+    rows: NDArray[np.void] = named["screen"][named["binned"][ranges[tile] : ranges[tile + 1]]]
+    return rows
+
+
 def _leave_out_far_triangles(arguments: list[Any], parameters: Sequence[str], i: int, j: int) -> None:
     """Of the rasteriser's list for the tile, keep what may touch the pixel: in Python every other one costs time and says nothing."""
     places = {name: parameters.index(name) for name in ("screen", "binned", "bin_range", "tile") if name in parameters}
@@ -348,8 +360,6 @@ def _leave_out_far_triangles(arguments: list[Any], parameters: Sequence[str], i:
         return
     screen, binned, ranges, tile = (arguments[places[name]] for name in ("screen", "binned", "bin_range", "tile"))
     listed = binned[ranges[tile] : ranges[tile + 1]]
-    from ..raster.layouts import SUBPIXELS
-
     near = np.ones(len(listed), dtype=bool)
     for axis, place in ((0, i), (1, j)):
         near &= screen["low"][listed, axis] <= (place + 4) * SUBPIXELS

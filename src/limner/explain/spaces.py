@@ -6,8 +6,10 @@ import re
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..linear.explain import Steps, point_to_pixel
+from ..raster.layouts import SUBPIXELS
 from ..render import Frame
 from .story import Step
 from .values import shortest
@@ -30,8 +32,21 @@ def seen_triangles(steps: Sequence[Step]) -> list[tuple[int, int, str]]:
     return list(found)
 
 
-def triangle_in_every_space(frame: Frame, steps: Sequence[Step], width: int, height: int) -> list[Step]:
-    """A step for each triangle that was seen, with its vertices in object, world, camera, clip, NDC, raster and pixel coordinates."""
+def triangle_in_every_space(
+    frame: Frame, steps: Sequence[Step], width: int, height: int, screen: NDArray[np.void] | None = None
+) -> list[Step]:
+    """A step for each triangle that was seen, with its vertices in object, world, camera, clip, NDC, raster and pixel coordinates.
+
+    Parameters
+    ----------
+    frame : Frame
+    steps : sequence of Step
+        The story that tells what was seen.
+    width, height : int
+        Of the picture.
+    screen : (n,) SCREEN_TRIANGLE, optional
+        What clipping left of the triangles around the pixel, on the subpixel grid.
+    """
     told = []
     for instance, triangle, name in seen_triangles(steps)[:_MOST]:
         tables = frame.built.tables
@@ -53,8 +68,8 @@ def triangle_in_every_space(frame: Frame, steps: Sequence[Step], width: int, hei
         ]  # fmt: skip
         vertices = [_vertex(k, way) for k, way in enumerate(ways)]
         title = f"triangle {triangle} of instance {instance}{name} on its way to the screen"
-        cut = _clipped(ways, near)
-        told.append(Step(title, {}, None, "raster_from_object = M_vp M_per M_cam M", "", "FoCG 7, 8", "spaces", [*vertices, cut]))
+        cut = [_clipped(ways, near), *_on_screen(screen, instance, triangle)]
+        told.append(Step(title, {}, None, "raster_from_object = M_vp M_per M_cam M", "", "FoCG 7, 8", "spaces", [*vertices, *cut]))
     return told
 
 
@@ -67,6 +82,21 @@ def _vertex(k: int, way: Steps) -> Step:
         for step in way
     ]  # fmt: skip
     return Step(f"vertex {k}", kind="vertex", steps=spaces)
+
+
+def _on_screen(screen: NDArray[np.void] | None, instance: int, triangle: int) -> list[Step]:
+    """What the rasteriser made of a triangle: one on the subpixel grid, or several where it was cut."""
+    if screen is None:
+        return []
+    rows = screen[(screen["instance"] == instance) & (screen["triangle"] == triangle)]
+    steps = []
+    for row in rows:
+        corners = [[float(x) / SUBPIXELS, float(y) / SUBPIXELS] for x, y in zip(row["x"], row["y"], strict=True)]
+        terms = {"depth": shortest(row["z"]), "per pixel right": shortest(row["dzdx"]), "per pixel up": shortest(row["dzdy"])}
+        terms["at pixel"] = [int(row["x_reference"]), int(row["y_reference"])]
+        formula = f"corners rounded to 1/{SUBPIXELS} pixel, rows from the bottom; near/depth is linear on the screen"
+        steps.append(Step("on the screen", terms, corners, formula, "raster.assemble.assemble_triangles", "FoCG 8.1.2, 8.2.3", "screen"))
+    return steps
 
 
 def _clipped(ways: Sequence[Steps], near: float) -> Step:

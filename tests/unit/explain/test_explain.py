@@ -67,6 +67,9 @@ def test_raster_tells_of_every_space_and_of_who_lost_the_depth_test() -> None:
     assert clip[3] == pytest.approx(1.0)  # the square's depth
     (weights,) = {json.dumps(step.result) for step in _steps(told, "barycentrics_at")}
     assert sum(json.loads(weights)[name] for name in ("b0", "b1", "b2")) == pytest.approx(1.0, abs=1e-6)
+    (screen,) = (step for step in spaces.steps if step.kind == "screen")
+    raster = [vertex.steps[5].result[:2] for vertex in spaces.steps[:3]]
+    assert np.abs(np.sort(np.array(screen.result), axis=0) - np.sort(np.array(raster), axis=0)).max() <= 0.5 / 256 + 1e-4
     contest = [step for step in told.story.walk() if step.kind == "triangle"]
     assert any("lost to triangle" in outcome.title for step in contest for outcome in step.steps)
     (seen,) = (step for step in told.story.walk() if step.title == "seen in the end")

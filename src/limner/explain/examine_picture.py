@@ -138,12 +138,10 @@ def _cut_by_planes(scene: Scene) -> Iterator[Finding]:
     camera = scene.camera or next(iter(scene.cameras()), None)
     if camera is None or (camera.near is None and camera.far is None):
         return
-    points = transform.transform_points(np.linalg.inv(camera.world_from_camera), extent_points(scene))
-    points = points[np.isfinite(points).all(axis=1)]
-    depths = -points[:, 2]
-    half = getattr(camera, "tan_half_yfov", None)
-    tangent = half if isinstance(half, float) else math.tan(math.radians(getattr(camera, "yfov_degrees", 90.0)) / 2.0)
-    inside = (depths > 0.0) & (np.abs(points[:, 1]) < tangent * depths) & (np.abs(points[:, 0]) < tangent * depths * _WIDTH / _HEIGHT)
+    points = extent_points(scene)
+    places, depths = camera.project(points[np.isfinite(points).all(axis=1)], _WIDTH, _HEIGHT)
+    with np.errstate(invalid="ignore"):
+        inside = (depths > 0.0) & (places >= -0.5).all(axis=1) & (places < (_WIDTH - 0.5, _HEIGHT - 0.5)).all(axis=1)
     for name, cut in (("near", inside & (depths < (camera.near or 0.0))), ("far", inside & (depths > (camera.far or math.inf)))):
         if cut.sum() > 0.02 * max(int(inside.sum()), 1) and cut.any():
             share = f"{int(cut.sum())} of {int(inside.sum())} points in view"

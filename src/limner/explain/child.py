@@ -12,48 +12,21 @@ import json
 import pickle
 import sys
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .lobes import lobes
+from .request import Request
 from .tell import Teller
 from .values import Names, shortest
 from .watch import WATCHED, watch
 
-__all__ = ["Request", "answer", "main"]
+__all__ = ["answer", "main"]
 
 _FOLLOWED = ("limner.raytrace", "limner.raster.fragment", "limner.raster.shadow", "limner.visibility.shadow")
 """Where kernels add light up."""
-
-
-class Request(NamedTuple):
-    """Calls to make, which differ in few numbers.
-
-    Attributes
-    ----------
-    module, function : str
-        The kernel.
-    arguments : tuple
-        As the compiled one was called; in the place of the film, its shape.
-    changes : tuple of dict
-        For each call, which arguments are others, by their places.
-    film : int
-        Which of them is the film.
-    pixel : int
-        Row of the film, if it is taken as (n, 4).
-    names : dict of str to (int, tuple of str)
-        What rows of tables are called, by what they are, with which argument is the table.
-    """
-
-    module: str
-    function: str
-    arguments: tuple[Any, ...]
-    changes: tuple[dict[int, Any], ...]
-    film: int
-    pixel: int
-    names: dict[str, tuple[int, tuple[str, ...]]]
 
 
 def answer(request: Request) -> list[dict[str, Any]]:

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from .._jit import Call
-from ..kernel.lanes import _Lanes
 from .sources import source_of
 from .story import Step
-from .values import Names, shortest
+from .values import Names, is_lanes, shortest
 
 __all__ = ["contest"]
 
@@ -51,11 +50,11 @@ def _tested(
     test: Call, fill: Call, what: str, asked: dict[str, Any], owner: dict[int, str], depths: dict[int, np.float32]
 ) -> Step | None:
     inside, z = asked.get("inside"), asked.get("z")
-    if not (isinstance(inside, _Lanes) and isinstance(z, _Lanes) and isinstance(test.result, _Lanes)):
+    if inside is None or z is None or not (is_lanes(inside) and is_lanes(z) and is_lanes(test.result)):
         return None
     wins = test.result.values.copy()
     for later in fill.calls:  # what the cuts and the alpha test take away again
-        if later.name.endswith("._covers") and isinstance(later.result, _Lanes):
+        if later.name.endswith("._covers") and is_lanes(later.result):
             wins &= later.result.values
     covered = np.flatnonzero(inside.values)
     if not len(covered):

@@ -39,8 +39,9 @@ from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..tables.build import names as names_of
 from ..tiles import Tile, is_whole
-from .child import Request
 from .drawing import drawing_of
+from .parameters import parameters_of
+from .request import Request
 from .spaces import triangle_in_every_space
 from .story import Step
 from .values import shortest
@@ -287,8 +288,6 @@ def _told(sample: int | str | None, contributions: Sequence[_Contribution], rang
 
 
 def _parameters(call: DoorCall) -> tuple[str, ...]:
-    from .tell import parameters_of
-
     return parameters_of(f"{call.module}.{call.function}")
 
 

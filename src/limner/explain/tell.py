@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import inspect
 from collections.abc import Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,22 +10,13 @@ import numpy as np
 from .._jit import Call
 from .chapters import Chapter, chapter_of
 from .contest import contest
+from .parameters import parameters_of
 from .sources import formula_of, source_of
 from .story import Step
 from .values import Names, plain, text_of
 from .watch import Change, Record
 
-__all__ = ["Teller", "arguments_of", "parameters_of"]
-
-
-@cache
-def parameters_of(name: str) -> tuple[str, ...]:
-    """The names of a kernel's arguments; none where it cannot be found."""
-    module, _, function = name.rpartition(".")
-    try:
-        return tuple(inspect.signature(getattr(importlib.import_module(module), function)).parameters)
-    except (ImportError, AttributeError, TypeError, ValueError):
-        return ()
+__all__ = ["Teller", "arguments_of"]
 
 
 def arguments_of(call: Call) -> dict[str, Any]:

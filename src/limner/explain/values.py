@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel.lanes import _Lanes
-
-__all__ = ["Names", "plain", "shortest", "text_of"]
+__all__ = ["Names", "is_lanes", "plain", "shortest", "text_of"]
 
 
 _MACHINERY = {"detail", "bulge", "reach", "bitangent_sign", "dodx", "dody", "dddx", "dddy", "tangent", "u1", "v1"}
@@ -66,7 +64,7 @@ def plain(value: Any, names: Names | None = None) -> Any:
         return int(value)
     if isinstance(value, (float, np.floating)):
         return shortest(value)
-    if isinstance(value, _Lanes):
+    if is_lanes(value):
         return _trimmed([plain(lane) for lane in value.values])
     if isinstance(value, np.void):
         return names.of_record(value) if names is not None else None
@@ -79,6 +77,11 @@ def plain(value: Any, names: Names | None = None) -> Any:
     if hasattr(value, "fields"):
         return _vector([plain(getattr(value, name)) for name in value.fields])
     return None
+
+
+def is_lanes(value: Any) -> bool:
+    """Whether a value is eight at once (`limner.kernel.lanes`, which is not imported here: it would import the compiler)."""
+    return hasattr(value, "element") and isinstance(getattr(value, "values", None), np.ndarray)
 
 
 def _trimmed(lanes: list[Any]) -> Any:

@@ -10,8 +10,8 @@ import sys
 import numpy as np
 import pytest
 
-from limner._jit import MODE
 from limner.explain.chapters import chapter_of
+from limner.explain.parameters import parameters_of
 from limner.explain.sources import formula_of, source_of
 from limner.explain.story import Step
 from limner.explain.values import Names, plain, shortest, text_of
@@ -149,6 +149,13 @@ def test_changes_of_a_sum_stand_between_the_calls_that_made_them() -> None:
     assert told["is_last_the_result"]
 
 
-def test_the_mode_of_this_process_is_its_own() -> None:
-    """Explaining starts a traced process; this one stays what it is."""
-    assert MODE in ("compiled", "python")
+def test_who_asks_never_imports_the_compiler() -> None:
+    """The names of kernels' arguments are read off their sources; only the process that traces imports kernels."""
+    script = (
+        "import sys; import limner.explain.explain, limner.explain.doctor; from limner.explain.parameters import parameters_of; "
+        "print(parameters_of('limner.raytrace.tile.trace_tile_exact')[:2], sorted({'numba', 'llvmlite', 'PIL'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "('instances', 'meshes') []"
+    assert parameters_of("limner.raytrace.tile.nothing") == ()
+    assert parameters_of("limner.no_room.at_all") == ()

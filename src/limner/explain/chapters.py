@@ -28,6 +28,8 @@ class Chapter(NamedTuple):
         Whether what it calls is left out.
     is_hidden : bool
         Whether it is left out with all it calls.
+    is_folded : bool
+        Whether it is left out, and what it calls is told in its place.
     """
 
     kernel: str
@@ -35,6 +37,7 @@ class Chapter(NamedTuple):
     shows: tuple[str, ...] = ()
     is_leaf: bool = False
     is_hidden: bool = False
+    is_folded: bool = False
 
 
 CHAPTERS = (
@@ -133,7 +136,7 @@ CHAPTERS = (
     Chapter("shading.*.eval_*"),
     Chapter("shading.*.sample_*"),
     Chapter("shading.*.pdf_*"),
-    Chapter("shading.*._*", is_hidden=True),
+    Chapter("shading.*._*", is_folded=True),
     Chapter("shading.*"),
 )
 """The first line that fits a kernel counts."""
@@ -142,4 +145,5 @@ CHAPTERS = (
 def chapter_of(name: str) -> Chapter | None:
     """The chapter of the kernel ``limner.module.function``; None: it is folded."""
     short = name.removeprefix("limner.")
-    return next((chapter for chapter in CHAPTERS if fnmatchcase(short, chapter.kernel)), None)
+    found = next((chapter for chapter in CHAPTERS if fnmatchcase(short, chapter.kernel)), None)
+    return None if found is None or found.is_folded else found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -23,6 +24,7 @@ from .solids import Solid, is_inside
 
 __all__ = ["examine_environment", "examine_lights", "examine_materials", "examine_places", "examine_reading"]
 
+_PICTURE = re.compile(r"texture|image|picture|\bmap_|\.(png|jpe?g|webp|ktx2|tga|bmp|tiff?|exr|hdr)\b", re.IGNORECASE)
 _UNREADABLE = ("missing", "drawn without", "cut off", "cannot be read", "no file", "not found")
 
 _SLIPS: tuple[tuple[str, str, str, str], ...] = (
@@ -49,7 +51,7 @@ def examine_reading(scene: Scene) -> Iterator[Finding]:
     """What a reader could not read."""
     for note in scene.notes:
         if any(word in note for word in _UNREADABLE):
-            is_picture = any(word in note for word in ("texture", "image", "picture"))
+            is_picture = _PICTURE.search(note) is not None
             kind, why = "unread", "it is not in the picture"
             if is_picture:
                 kind, why = "missing-texture", "surfaces are plain where a picture was meant"

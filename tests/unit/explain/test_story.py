@@ -79,6 +79,7 @@ def test_unknown_kernels_are_folded_and_unknown_lobes_are_told() -> None:
     assert lobe is not None
     assert not lobe.is_hidden
     assert chapter_of("limner.raytrace.whitted._new_helper") is None
+    assert chapter_of("limner.shading.velvet._new_helper") is None
     hidden = chapter_of("limner.kernel.sampler.draw_2d")
     assert hidden is not None
     assert hidden.is_hidden

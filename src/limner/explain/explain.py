@@ -194,10 +194,13 @@ def explain(
             contributions = _contributions(calls, frame, ranges, i, j)
         pixel = _developed(frame, [contribution.sums for contribution in contributions], ranges[-1][1], i, j)
     told = _told(sample, contributions, ranges, asked["renderer"])
-    answers = dict(zip(told, _traced(frame, [contributions[k].call for k in told], i, j), strict=True))
-    exact = {k: _same_bits(answers[k]["film"], contributions[k].sums) for k in told}
+    made = [(k, call) for k in told if (call := contributions[k].call) is not None]
+    answers = dict(zip([k for k, _ in made], _traced(frame, [call for _, call in made], i, j), strict=True))
+    exact = {k: _same_bits(answers[k]["film"], contributions[k].sums) for k in answers}
     steps = [_sample_step(k, ranges, contributions[k].sums, answers.get(k), exact.get(k)) for k in range(len(ranges))]
-    told_steps, others = [steps[k] for k in told], [step for k, step in enumerate(steps) if k not in answers]
+    told_steps, others = [steps[k] for k in told], [step for k, step in enumerate(steps) if k not in told]
+    if not made:
+        told_steps = [Step("nothing touches the part of the picture in which this pixel lies: the film stays clear", kind="note")]
     screen = _screen_triangles(contributions[0].call)
     spaces = triangle_in_every_space(frame, [step for sample in told_steps for step in sample.steps], width, height, screen)
     if others:
@@ -206,16 +209,16 @@ def explain(
     sums = np.array([contribution.sums for contribution in contributions], dtype=np.float32)
     return Explanation(
         int(x), int(y), width, height, asked["renderer"], ranges[-1][1], pixel, sums, tuple(told), story, all(exact.values()),
-        drawing_of(frame, story, [lobe for k in told for lobe in answers[k]["lobes"]][:_MOST_LOBES]),
+        drawing_of(frame, story, [lobe for k in answers for lobe in answers[k]["lobes"]][:_MOST_LOBES]),
         renderer.scene.replace(camera=frame.camera), dict(options),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Contribution:
-    """What the compiled kernel added to the film, and how it was called."""
+    """What the compiled kernel added to the film, and how it was called; None: nothing touches the pixel's tile, and it was not."""
 
-    call: DoorCall
+    call: DoorCall | None
     sums: NDArray[np.float32]
 
 
@@ -227,8 +230,9 @@ def _check_pixel(x: int, y: int, width: int, height: int) -> None:
 
 def _ranges(calls: list[DoorCall], frame: Frame, samples: int, i: int, j: int) -> list[tuple[int, int]]:
     """The samples in the groups in which the kernel takes them: the rasteriser's multisamples eight by eight, else one by one."""
+    before = len(calls)
     frame.work(_one_pixel(frame, i, j), 0, 1)
-    named = dict(zip(_parameters(calls[-1]), calls[-1].arguments, strict=False)) if _is_of(calls[-1], i, j) else {}
+    named = dict(zip(_parameters(calls[-1]), calls[-1].arguments, strict=False)) if len(calls) > before else {}
     step = _AT_ONCE if named.get("multisample") and not named.get("has_blend") else 1
     return [(first, min(first + step, samples)) for first in range(0, samples, step)]
 
@@ -238,8 +242,9 @@ def _contributions(calls: list[DoorCall], frame: Frame, ranges: Sequence[tuple[i
     tile = _one_pixel(frame, i, j)
     for first, last in ranges:
         frame.film.sums[j, i] = 0.0
+        before = len(calls)
         frame.work(tile, first, last)
-        found.append(_Contribution(calls[-1], frame.film.sums[j, i].copy()))
+        found.append(_Contribution(calls[-1] if len(calls) > before else None, frame.film.sums[j, i].copy()))
     frame.film.sums[j, i] = 0.0
     return found
 
@@ -251,10 +256,6 @@ def _one_pixel(frame: Frame, i: int, j: int) -> Tile:
         if 0 <= i - tile.first_column < tile.columns and 0 <= j - tile.first_row < tile.rows
     )  # fmt: skip
     return Tile(number, i, j, 1, 1)
-
-
-def _is_of(call: DoorCall, i: int, j: int) -> bool:
-    return tuple(int(value) for value in call.arguments[-6:-4]) == (i, j) if len(call.arguments) > 7 else False
 
 
 def _developed(frame: Frame, sums: Sequence[NDArray[np.float32]], samples: int, i: int, j: int) -> NDArray[np.float32]:
@@ -293,6 +294,8 @@ def _parameters(call: DoorCall) -> tuple[str, ...]:
 
 def _traced(frame: Frame, calls: Sequence[DoorCall], i: int, j: int) -> list[dict[str, Any]]:
     """What the traced kernel finds where the compiled one was called, call by call."""
+    if not calls:
+        return []
     request = _request(frame, calls, i, j)
     package = str(Path(__file__).resolve().parents[2])
     places = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -342,8 +345,10 @@ def _texture_names(frame: Frame) -> tuple[str, ...]:
     return tuple(names) if len(names) == len(frame.built.tables.textures) else ()
 
 
-def _screen_triangles(call: DoorCall) -> NDArray[np.void] | None:
-    """The rasteriser's triangles that may touch the pixel's tile; None where the call has none."""
+def _screen_triangles(call: DoorCall | None) -> NDArray[np.void] | None:
+    """The rasteriser's triangles that may touch the pixel's tile; None where there is no such call."""
+    if call is None:
+        return None
     named = dict(zip(_parameters(call), call.arguments, strict=False))
     if not {"screen", "binned", "bin_range", "tile"} <= set(named):
         return None

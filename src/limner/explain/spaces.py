@@ -93,7 +93,8 @@ def _on_screen(screen: NDArray[np.void] | None, instance: int, triangle: int) ->
     steps = []
     for row in rows:
         corners = [[float(x) / SUBPIXELS, float(y) / SUBPIXELS] for x, y in zip(row["x"], row["y"], strict=True)]
-        terms: dict[str, Any] = {"depth": shortest(row["z"]), "per pixel right": shortest(row["dzdx"]), "per pixel up": shortest(row["dzdy"])}
+        slopes = {"per pixel right": shortest(row["dzdx"]), "per pixel up": shortest(row["dzdy"])}
+        terms: dict[str, Any] = {"depth": shortest(row["z"]), **slopes}
         terms["at pixel"] = [int(row["x_reference"]), int(row["y_reference"])]
         formula = f"corners rounded to 1/{SUBPIXELS} pixel, rows from the bottom; near/depth is linear on the screen"
         steps.append(Step("on the screen", terms, corners, formula, "raster.assemble.assemble_triangles", "FoCG 8.1.2, 8.2.3", "screen"))

@@ -155,6 +155,16 @@ def test_json_holds_the_bits() -> None:
 
 
 @SLOW_AS_PYTHON
+def test_a_pixel_that_nothing_touches_is_told_of() -> None:
+    """Bug: where no triangle lies near a pixel the rasteriser is never called, and there was nothing to tell. Fix: it is said."""
+    told = explain(Scene(Node("empty")), 4, 3, width=9, height=6)
+    assert told.pixel.tolist() == [0.0, 0.0, 0.0, 0.0]
+    assert told.is_exact
+    assert "nothing touches" in told.text()
+    assert told.html().startswith("<!doctype html>")
+
+
+@SLOW_AS_PYTHON
 def test_what_is_not_there_is_refused() -> None:
     """A pixel beyond the picture, a sample beyond the last, a file of another kind."""
     with pytest.raises(SceneError, match=r"x must be an integer from 0 to 23 in a picture of 24 x 18, got 24"):

@@ -28,7 +28,8 @@ import struct
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -37,7 +38,7 @@ from numpy.typing import DTypeLike
 
 from . import _jit
 
-__all__ = ["Array", "Door", "Scalar", "Signature", "cache_folder", "doors", "warm_up"]
+__all__ = ["Array", "Door", "DoorCall", "Scalar", "Signature", "cache_folder", "doors", "warm_up", "witnessed"]
 
 _log = logging.getLogger("limner")
 _PACKAGE = Path(__file__).parent
@@ -58,6 +59,32 @@ class Scalar(NamedTuple):
 
 
 Signature: TypeAlias = tuple[Array | Scalar, ...]
+
+
+class DoorCall(NamedTuple):
+    """What a door was called with, and which."""
+
+    module: str
+    function: str
+    arguments: tuple[Any, ...]
+
+
+class _Witness(threading.local):
+    calls: list[DoorCall] | None = None
+
+
+_witness = _Witness()
+
+
+@contextmanager
+def witnessed() -> Iterator[list[DoorCall]]:
+    """Write down with what this thread calls doors that it binds meanwhile: the same call can then be made once more, to be looked at."""
+    before, _witness.calls = _witness.calls, []
+    try:
+        yield _witness.calls
+    finally:
+        _witness.calls = before
+
 
 _registry: dict[str, Door] = {}
 # What declares doors, when imported
@@ -102,6 +129,19 @@ class Door:
 
     def bind(self, *arguments: Any) -> Callable[..., None]:
         """Convert the leading arguments once; the result takes the remaining ones."""
+        bound, calls = self._bound(*arguments), _witness.calls
+        if calls is None:
+            return bound
+
+        def call(*more: Any) -> None:
+            bound(*more)
+            given = zip((*arguments, *more), self.signature, strict=True)
+            values = tuple(_checked(value, kind, self.name)[0] for value, kind in given)
+            calls.append(DoorCall(self.module, self.function, values))
+
+        return call
+
+    def _bound(self, *arguments: Any) -> Callable[..., None]:
         self.open()
         head = self._converted(arguments, self.signature)
         rest = self.signature[len(arguments) :]

@@ -53,7 +53,7 @@ from .tables.motion import instants
 from .tables.sky_blur import blurred_sky
 from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 
-__all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
+__all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Frame", "Renderer", "render"]
 
 RENDERERS = ("raster", "ray", "path")
 AOVS = CHANNELS
@@ -207,7 +207,7 @@ def _lines(
     return line_picture(shown, camera, width=int(width), height=int(height), on_progress=on_progress, cancel=cancel)
 
 
-class _Frame(NamedTuple):
+class Frame(NamedTuple):
     """A picture that is being made."""
 
     scene: Scene
@@ -386,6 +386,15 @@ class Renderer:
         ends = [1 << k for k in range(self._samples.bit_length()) if least <= 1 << k < self._samples]
         return self._pictures(camera, [*ends, self._samples], on_progress, cancel, every=True, encode=False)
 
+    @property
+    def samples(self) -> int:
+        """How many points of every pixel are looked at."""
+        return self._samples
+
+    def prepared(self, camera: Camera | None = None) -> Frame:
+        """A picture that is ready to be exposed: for those who ask what becomes of one pixel (`limner.explain`)."""
+        return self._prepared(camera)
+
     def _pictures(
         self,
         camera: Camera | None,
@@ -429,7 +438,7 @@ class Renderer:
 
     def _expose(
         self,
-        frame: _Frame,
+        frame: Frame,
         first: int,
         last: int,
         meter: Meter,
@@ -451,7 +460,7 @@ class Renderer:
 
             run_all(expose, frame.film.tiles, self._threads, report, cancel)
 
-    def _prepared(self, camera: Camera | None) -> _Frame:
+    def _prepared(self, camera: Camera | None) -> Frame:
         if camera is not None and not isinstance(camera, Camera):
             raise SceneError(f"camera must be a PerspectiveCamera or an OrthographicCamera, got {type(camera).__name__}")
         given = self._scene_of_the_moment()
@@ -484,7 +493,7 @@ class Renderer:
             stage = driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, background)
             prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
             work = prepare(stage, self._settings(), film.sums)
-        return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
+        return Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
 
     def _scene_of_the_moment(self) -> Scene:
         """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
@@ -526,7 +535,7 @@ class Renderer:
         visible = scene.background == "environment"
         return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2])
 
-    def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
+    def _channels(self, frame: Frame) -> dict[str, NDArray[Any]]:
         if not self._aovs:
             return {}
         values, ids = empty_values(self._width, self._height)
@@ -540,14 +549,14 @@ class Renderer:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
         return channels(self._aovs, values, ids)
 
-    def _image(self, frame: _Frame, pixels: NDArray[Any], extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
+    def _image(self, frame: Frame, pixels: NDArray[Any], extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
         recipe = self._recipe(frame, int(frame.film.taken.min()), finished=finished)
         blank = finished and bool(frame.scene.shapes()) and not pixels[..., 3].any()
         messages = (*frame.messages, *self.slips, *((_BLANK,) if blank else ()))
         return Image(pixels, extra, id_names, recipe, messages, finished)
 
-    def _recipe(self, frame: _Frame, samples: int, *, finished: bool) -> Recipe:
+    def _recipe(self, frame: Frame, samples: int, *, finished: bool) -> Recipe:
         from . import __version__
 
         values: dict[str, Any] = {

@@ -8,8 +8,10 @@ import click
 
 from .. import __version__
 from .curve import FRACTALS, KINDS
+from .doctor import doctor
 from .draw import KINDS as LINE_KINDS
 from .draw import LINE_STYLES, PICTURE_STYLES
+from .explain import explain
 from .mesh import mesh
 from .schema import schema
 from .talk import Talk
@@ -36,6 +38,8 @@ def limner() -> None:
     """
 
 
+limner.add_command(doctor)
+limner.add_command(explain)
 limner.add_command(mesh)
 limner.add_command(schema)
 

@@ -49,8 +49,8 @@ _FIRST_ROULETTE = 5
 _LEAST_SURVIVAL = f32(0.05)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
-_PER_SURFACE = 6
-_EMITTER, _SKY, _DIRECTION, _LOBE, _COVERAGE, _ROULETTE = 0, 1, 2, 3, 4, 5
+_PER_SURFACE = 5
+_EMITTER, _SKY, _DIRECTION, _LOBE_AND_ROULETTE, _COVERAGE = 0, 1, 2, 3, 4
 _FIRST_LIGHT = -3
 
 
@@ -192,7 +192,8 @@ def path_radiance(
     dx, dy = draw_2d(sampler, 0)
     x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
     ray = view_ray(camera, x, y)
-    has_lens = camera["aperture_radius"] > ZERO
+    # Only textures ask how a point moves from pixel to pixel.
+    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0
     if has_lens:
         u, v = draw_2d(sampler, LENS)
         ray = lens_ray(camera, x, y, u, v)
@@ -227,7 +228,7 @@ def path_radiance(
                         weight = ZERO
                 total = total + throughput * (sky_radiance(lighting, wi) * weight + ambient_level(lights))
             break
-        if not from_camera:
+        if not from_camera or not shows_texture:
             point = hit_point(scene, accelerator, hit, o, d)
             wo = normalize(-d)
         elif has_lens or moves:
@@ -260,7 +261,8 @@ def path_radiance(
             ns = shading_normal(material, owner, point, textures, texels)
             ways = meet_interface(material["fresnel"], roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
-            if draw_1d(sampler, dimension + 1) * both < ways.reflectance:
+            way, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
+            if way * both < ways.reflectance:
                 o, d, looks_through = off_surface(point, point.n), ways.reflected, False
                 throughput = throughput * both
             else:
@@ -300,7 +302,8 @@ def path_radiance(
             )
             light_dimension -= lights.shape[0]
             u, v = draw_2d(sampler, dimension + _DIRECTION)
-            scattered = sample_bsdf(bsdf, wo, draw_1d(sampler, dimension + _LOBE), u, v)
+            lobe, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
+            scattered = sample_bsdf(bsdf, wo, lobe, u, v)
             if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
                 break
             throughput = throughput * scattered.value * (ONE / scattered.pdf)
@@ -316,10 +319,9 @@ def path_radiance(
         scatterings += 1
         if scatterings >= _FIRST_ROULETTE:
             survival = max(max_component(throughput), _LEAST_SURVIVAL)
-            if survival < ONE:
-                if draw_1d(sampler, dimension - _PER_SURFACE + _ROULETTE) >= survival:
-                    break
-                throughput = throughput * (ONE / survival)
+            if luck >= survival:
+                break
+            throughput = throughput * (ONE / min(survival, ONE))
         if max_component(throughput) <= ZERO:
             break
     return total, alpha

@@ -54,7 +54,7 @@ for mesh in told["meshes"]:
     )
     nodes.append(limner.Node(mesh["name"], shapes=(limner.Shape(limner.Mesh(vertices, triangles), (material,)),)))
 camera = told["camera"]
-eye = limner.PerspectiveCamera.look_at(camera["origin"], camera["target"], camera["up"], yfov_degrees=camera["fov_deg"])
+eye = limner.Camera.look_at(camera["origin"], camera["target"], camera["up"], yfov_degrees=camera["fov_deg"])
 sky = limner.Environment(tuple(told["environment"])) if any(told["environment"]) else None
 scene = limner.Scene(
     limner.Node(children=tuple(nodes)), camera=eye, environment=sky, background="environment" if sky else (0.0, 0.0, 0.0)

@@ -26,7 +26,7 @@ def lighting(
     ----------
     tables : SceneTables
     sky : (height, width, 3) float32, optional
-        Radiance, equirectangular, row 0 on top; None: no sky.
+        Radiance, equirectangular, row 0 on top; None: no sky. What is infinite counts as the greatest that is not.
     intensity : float
     rotation_degrees : float
         Turns the sky about +y, counter-clockwise seen from above.
@@ -42,7 +42,7 @@ def lighting(
     pixels = np.zeros((0, 0, 3), dtype=np.float32)
     cumulative = np.zeros(0, dtype=np.float32)
     if sky is not None:
-        pixels = np.ascontiguousarray(sky[::-1], dtype=np.float32)
+        pixels = _finite(np.ascontiguousarray(sky[::-1], dtype=np.float32))
         angle = math.radians(rotation_degrees)
         row["sky_present"], row["sky_visible"] = 1, visible
         row["sky_height"], row["sky_width"] = pixels.shape[:2]
@@ -53,6 +53,14 @@ def lighting(
     emitters, power = _emitters(tables, moving)
     row["emitted_power"] = power
     return Lighting(header, pixels, cumulative, emitters, np.zeros((0, 0, 3), dtype=np.float32) if blurred is None else blurred)
+
+
+def _finite(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Radiance with infinity, as files of half floats say of the sun, as much as the greatest that is not, and black for no number."""
+    known = np.isfinite(pixels)
+    if known.all():
+        return pixels
+    return np.nan_to_num(pixels, nan=0.0, posinf=float(pixels[known].max(initial=0.0)), neginf=0.0)
 
 
 def sky_directions(height: int, width: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

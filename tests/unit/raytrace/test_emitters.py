@@ -91,6 +91,16 @@ def test_a_black_sky_can_be_drawn_from():
     assert shares[4] == 1.0
 
 
+def test_infinite_radiance_is_the_greatest_that_is_not():
+    sky = np.full((4, 8, 3), 0.5, dtype=np.float32)
+    sky[0, 0], sky[1, 1], sky[2, 2] = np.inf, np.nan, 3.0
+    made = lighting(flatten(lamp_over_floor(2), CAMERA, 8, 8).tables, sky)
+    assert made.sky[3, 0].tolist() == [3.0] * 3
+    assert made.sky[2, 1].tolist() == [0.0] * 3
+    assert np.isfinite(made.sky_cumulative).all()
+    assert np.isfinite(made.header["irradiance"]).all()
+
+
 @SLOW_AS_PYTHON
 @pytest.mark.parametrize("edge", [0.0, 1e-3])
 def test_an_even_sky_lights_as_one_that_is_asked(edge):

@@ -64,6 +64,11 @@ class Film:
             self._exposed[tile.number] = True
         self.taken[tile.number] = last
 
+    def restore(self, sums: NDArray[np.float32], taken: NDArray[np.int64]) -> None:
+        """Go on from the sums and samples that another film of the same size and tiles had."""
+        self.sums[:], self.taken[:] = sums, taken
+        self._exposed = [True] * len(self.tiles)
+
     def _clear(self, *tile: int) -> None:
         if self._cleared is None:
             self._cleared = _CLEAR.bind(self.sums.reshape(-1, 4), self.sums.shape[1])

@@ -17,6 +17,7 @@ import math
 import threading
 import warnings as python_warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
@@ -24,9 +25,10 @@ from numpy.typing import NDArray
 
 from .accel import bvh
 from .accel.layouts import Accelerator
-from .aov import CHANNELS, channels, empty_values, with_solid_blends
+from .aov import CHANNELS, FEATURES, LIGHT, Moments, channels, empty_values, features_of, with_solid_blends
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
+from .image.denoise import GUIDES, checked_denoiser, denoised
 from .image.image import Image
 from .image.recipe import Recipe
 from .image.reconstruct import FILTERS
@@ -56,13 +58,15 @@ from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
 
 RENDERERS = ("raster", "ray", "path")
-AOVS = CHANNELS
+AOVS = (*CHANNELS, *FEATURES, *LIGHT)
 MAX_SIDE = 32768
 MAX_PIXELS = 1 << 26
 MAX_SAMPLES = 1 << 20
 _DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
 _TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
 _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
+_LEAST_PASSES = 16  # where variance is asked for
+_FEATURE_SAMPLES = 16
 
 _FREQUENCIES = {"fragment": PER_FRAGMENT, "vertex": PER_VERTEX, "flat": PER_TRIANGLE}
 _BLANK = "nothing of the scene is in the picture: the camera looks past it, or stands behind single-sided surfaces"
@@ -97,6 +101,7 @@ def render(
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
+    denoise: str | None = None,
     default_lights: bool = True,
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
@@ -161,7 +166,11 @@ def render(
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
-        What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel.
+        What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel; what is told to denoisers,
+        as means over the pixel, and variance and samples of its light (`ray`, `path`).
+    denoise : "filter" | "oidn", optional
+        How noise is taken out of the finished picture (`ray`, `path`): by our own filter, or by Intel's Open Image Denoise (extra
+        ``denoise``); see `limner.image.denoise`. None: not at all.
     default_lights : bool
         Whether a scene without any light gets some.
     on_progress : callable, optional
@@ -182,7 +191,8 @@ def render(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
         sampler=sampler, glossy=glossy, emitters=emitters, tinted_shadows=tinted_shadows, shutter=shutter,
         time=time, animation=animation, antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping,
-        culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, denoise=denoise,
+        default_lights=default_lights,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -201,6 +211,8 @@ class _Frame(NamedTuple):
     memory: Memory
     work: Work
     messages: tuple[str, ...]
+    stage: driver.Stage | None
+    moments: Moments | None
 
 
 class Renderer:
@@ -209,7 +221,8 @@ class Renderer:
     Parameters
     ----------
     scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter, time, animation,
-    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, default_lights
+    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, denoise,
+    default_lights
         As in `render`.
 
     Every picture is the one that `render` would make, to the bit. A Renderer belongs to one thread at a time; several may work side by
@@ -250,6 +263,7 @@ class Renderer:
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
+        denoise: str | None = None,
         default_lights: bool = True,
     ) -> None:
         _check(width, height, renderer, samples, seed, max_depth, tile_size)
@@ -279,7 +293,8 @@ class Renderer:
         self._culling, self._filter = culling, filter
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
-        self._aovs = _wanted_aovs(aovs)
+        self._aovs, self._denoise = _wanted_aovs(aovs), _checked_denoiser(denoise, renderer)
+        _check_beside(self._aovs, renderer, self._samples)
         self._default_lights = bool(default_lights)
         self.slips: tuple[str, ...] = ()
         self.scene = _as_scene(scene)
@@ -353,9 +368,10 @@ class Renderer:
             raise UnsupportedError(f'output must be "image" or "uint8", got {output!r}')
         at_once = _SAMPLES_AT_ONCE[self._renderer]
         ends = [*range(at_once, self._samples, at_once), self._samples]
-        encode = output == "uint8"
+        encode = output == "uint8" and self._denoise is None
         with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False, encode=encode)) as pictures:
-            return next(pictures)
+            made = next(pictures)
+        return made.to_uint8() if output == "uint8" and not encode else made
 
     def refine(
         self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
@@ -406,6 +422,7 @@ class Renderer:
                 self.slips = film.slips(bad)
                 picture = pixels if encode else self._image(frame, pixels, extra, finished=True)
                 if last == ends[-1]:
+                    picture = picture if encode or self._denoise is None else self._cleaned(picture)
                     self._spare = film, frame.memory
                 yield picture
             first = last
@@ -420,12 +437,16 @@ class Renderer:
         develop: Callable[[Tile], None] | None,
     ) -> None:
         """Add samples first..last to every tile, a few at a time, so that a stop is soon heard; then develop it, while it is at hand."""
-        step = _SAMPLES_AT_ONCE[self._renderer]
+        step, moments = _SAMPLES_AT_ONCE[self._renderer], frame.moments
+        if moments is not None:
+            step = max(1, min(step, self._samples // _LEAST_PASSES))
         for start in range(first, last, step):
             end = min(start + step, last)
 
             def expose(tile: Tile, start: int = start, end: int = end) -> None:
                 frame.film.expose(tile, frame.work, start, end)
+                if moments is not None:
+                    moments.add(tile, end - start)
                 if develop is not None and end == last:
                     develop(tile)
 
@@ -453,6 +474,7 @@ class Renderer:
         light, background = self._lighting(scene, built), _background(scene)
         notes: list[str] = []
         work: Work
+        stage: driver.Stage | None = None
         if is_raster:
             notes.extend(_left_out(scene))
             places, weights = filtered_samples(self._samples, self._filter)
@@ -467,7 +489,19 @@ class Renderer:
             stage = driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, background)
             prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
             work = prepare(stage, self._settings(), film.sums)
-        return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
+        moments = Moments(film.sums, len(film.tiles)) if set(LIGHT) & set(self._beside()) else None
+        return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes), stage, moments)
+
+    def _beside(self) -> tuple[str, ...]:
+        """The channels that are asked for, and those that a denoiser needs."""
+        needed = GUIDES if self._denoise is not None else ()
+        return (*self._aovs, *(name for name in needed if name not in self._aovs and (name != "variance" or self._samples > 1)))
+
+    def _cleaned(self, image: Image) -> Image:
+        """The picture without noise, and without what was beside it for that alone."""
+        assert self._denoise is not None
+        made = denoised(image, self._denoise, threads=self._threads)
+        return replace(made, aov={name: values for name, values in made.aov.items() if name in self._aovs})
 
     def _scene_of_the_moment(self) -> Scene:
         """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
@@ -510,7 +544,28 @@ class Renderer:
         return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2])
 
     def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
-        if not self._aovs:
+        beside = self._beside()
+        return {**self._centre_channels(frame), **self._features(frame, beside), **self._light_channels(frame, beside)}
+
+    def _features(self, frame: _Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """What denoisers are told."""
+        if frame.stage is None or not set(FEATURES) & set(beside):
+            return {}
+        values = np.zeros((self._height, self._width, 7), dtype=np.float32)
+        places = pixel_samples(min(self._samples, _FEATURE_SAMPLES))
+        driver.draw_features(frame.stage, values, places, self._seed, threads=self._threads, tile_size=self._tile_size)
+        return {name: channel for name, channel in features_of(values).items() if name in beside}
+
+    def _light_channels(self, frame: _Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """How sure the picture is of itself."""
+        moments = frame.moments
+        if moments is None:
+            return {}
+        made = {"variance": moments.variance, "samples": moments.samples}
+        return {name: make() for name, make in made.items() if name in beside}
+
+    def _centre_channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
+        if not set(self._aovs) - {*FEATURES, *LIGHT}:
             return {}
         values, ids = empty_values(self._width, self._height)
         tables = with_solid_blends(frame.built.tables)
@@ -555,6 +610,7 @@ class Renderer:
             "clipping": self._clipping,
             "culling": self._culling,
             "filter": self._filter,
+            "denoise": self._denoise,
             "default_lights": self._default_lights,
             "camera": _plain(frame.camera),
         }
@@ -659,6 +715,23 @@ def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:
         if name not in AOVS:
             raise UnsupportedError(f"aov must be one of {', '.join(AOVS)}, got {name!r}")
     return wanted
+
+
+def _checked_denoiser(denoise: str | None, renderer: str) -> str | None:
+    if denoise is None:
+        return None
+    if renderer == "raster":
+        raise UnsupportedError("raster makes no noise to take out; ray and path can have denoise")
+    return checked_denoiser(denoise)
+
+
+def _check_beside(aovs: tuple[str, ...], renderer: str, samples: int) -> None:
+    """Refuse channels that a renderer does not have."""
+    beyond = [name for name in aovs if name in FEATURES or name in LIGHT]
+    if beyond and renderer == "raster":
+        raise UnsupportedError(f"raster has no channel {beyond[0]}; ray and path have")
+    if "variance" in beyond and samples < 2:
+        raise SceneError(f"the channel variance needs 2 samples or more, got {samples}")
 
 
 def _as_scene(thing: Any) -> Scene:

@@ -97,6 +97,10 @@ limner.add_command(schema)
     "--shutter", type=INTERVAL, metavar="S,S", help="When the shutter opens and closes, seconds: what moves is blurred (ray, path).",
 )  # fmt: skip
 @click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
+@click.option(
+    "--denoise", type=click.Choice(["filter", "oidn"]),
+    help="Take the noise out (ray, path): our filter, or Open Image Denoise (extra denoise).  [default: it stays]",
+)  # fmt: skip
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
 @click.option("--model-up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Which axis of the model's file points up.")

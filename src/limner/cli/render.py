@@ -94,6 +94,7 @@ class Order:
     as_json: bool
     view: str = "standard"
     exposure: float = 0.0
+    denoise: str | None = None
     further: dict[str, Any] = field(default_factory=dict)
     report: bool = False
 
@@ -151,6 +152,7 @@ def make_picture(order: Order, talk: Talk) -> None:
             shutter=order.shutter,
             threads=order.threads,
             aovs=order.aovs,
+            denoise=order.denoise,
             on_progress=bar,
             **order.further,
         )

@@ -19,7 +19,7 @@ from .limits import Limits
 __all__ = ["Exr", "opened", "read_exr"]
 
 _ORDERS = ("RGBA", "XYZW", "UV")
-_IDS = ("instance_id", "material_id", "triangle_id")
+_WHOLE = ("instance_id", "material_id", "triangle_id", "samples")
 
 
 class Exr(NamedTuple):
@@ -97,11 +97,11 @@ def _straight(color: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
 
 
 def _stacked(name: str, channels: dict[str, NDArray[Any]]) -> NDArray[Any]:
-    """One array of a layer's channels, in their usual order; ids as the integers that they are."""
+    """One array of a layer's channels, in their usual order; ids and counts as the integers that they are."""
     order = next((order for order in _ORDERS if set(channels) <= set(order)), "".join(sorted(channels)))
     planes = [channels[suffix] for suffix in order if suffix in channels] if set(channels) <= set(order) else [*channels.values()]
     if any(plane.shape != planes[0].shape for plane in planes):
         return planes[0]
     values = planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
-    whole = name in _IDS and np.isfinite(values).all()
+    whole = name in _WHOLE and np.isfinite(values).all()
     return np.rint(values).astype(np.int32) if whole else values

@@ -56,7 +56,7 @@ _FILTER = Door(
 )  # fmt: skip
 
 
-def denoised(image: Image, method: str = "filter", *, strength: float = 4.0, threads: int | None = None) -> Image:
+def denoised(image: Image, method: str = "filter", *, strength: float = 2.0, threads: int | None = None) -> Image:
     """Take the noise out of a picture; what lies beside it, and alpha, stay.
 
     Parameters

@@ -36,7 +36,7 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 
 _CHANNELS = {
     "depth": "Z", "distance": "Z", "instance_id": "X", "material_id": "X", "triangle_id": "X",
-    "uv": "UV", "albedo": "RGB",
+    "uv": "UV", "albedo": "RGB", "denoising_albedo": "RGB", "denoising_depth": "Z", "variance": "RGB", "samples": "X",
 }  # fmt: skip
 _EXACT_INTEGERS = 1 << 24  # in a float32
 _GREATEST_HALF = 65504.0

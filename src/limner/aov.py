@@ -3,6 +3,7 @@
     of a pixel's centre     depth, normal, albedo, instance_id, …       `limner.shading.aov`
     means over a pixel      denoising_albedo, denoising_normal, denoising_depth      what a denoiser is told (`ray`, `path`)
     of its light            variance, samples                           how sure the picture is of itself (`ray`, `path`)
+    parts of its light      direct, indirect, light_groups              which add up to the picture (`path`)
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from .tables import layouts
 from .tables.layouts import SceneTables
 from .tiles import Tile
 
-__all__ = ["CHANNELS", "FEATURES", "LIGHT", "Moments", "channels", "empty_values", "features_of", "with_solid_blends"]
+__all__ = ["CHANNELS", "FEATURES", "LIGHT", "PASSES", "Moments", "channels", "empty_values", "features_of", "with_solid_blends"]
 
 _FLOATS = {
     "depth": (0, 1), "distance": (1, 1), "normal": (2, 3), "normal_geometric": (5, 3), "position": (8, 3), "uv": (11, 2),
@@ -27,6 +28,9 @@ CHANNELS = (*_FLOATS, *_IDS)
 
 FEATURES = ("denoising_albedo", "denoising_normal", "denoising_depth")
 """Means over a pixel, through mirrors; see `limner.raytrace.features_tile`."""
+
+PASSES = ("direct", "indirect", "light_groups")
+"""Parts of the picture's light; the last stands for a channel ``light_NAME`` of each group (`limner.raytrace.light_passes`)."""
 
 LIGHT = ("variance", "samples")
 """Of a pixel's light: the variance of its mean, and how many samples that is of."""

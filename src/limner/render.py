@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from .accel import bvh
 from .accel.layouts import Accelerator
-from .aov import CHANNELS, FEATURES, LIGHT, Moments, channels, empty_values, features_of, with_solid_blends
+from .aov import CHANNELS, FEATURES, LIGHT, PASSES, Moments, channels, empty_values, features_of, with_solid_blends
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
 from .image.denoise import GUIDES, checked_denoiser, denoised
@@ -40,6 +40,7 @@ from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
 from .raster.memory import Memory
 from .raster.pipeline import CULLINGS
 from .raytrace import driver
+from .raytrace.light_passes import group_names, lit_by
 from .samples import pixel_samples
 from .scene.camera import Camera
 from .scene.environment import Environment
@@ -58,7 +59,7 @@ from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Renderer", "render"]
 
 RENDERERS = ("raster", "ray", "path")
-AOVS = (*CHANNELS, *FEATURES, *LIGHT)
+AOVS = (*CHANNELS, *FEATURES, *LIGHT, *PASSES)
 MAX_SIDE = 32768
 MAX_PIXELS = 1 << 26
 MAX_SAMPLES = 1 << 20
@@ -167,7 +168,9 @@ def render(
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
         What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel; what is told to denoisers,
-        as means over the pixel, and variance and samples of its light (`ray`, `path`).
+        as means over the pixel, and variance and samples of its light (`ray`, `path`); "direct" (light that was scattered at most once)
+        and "indirect" (the rest), and "light_groups", a channel ``light_NAME`` for each light, shining material, and the sky (`path`; each
+        costs its tracing again).
     denoise : "filter" | "oidn", optional
         How noise is taken out of the finished picture (`ray`, `path`): by our own filter, or by Intel's Open Image Denoise (extra
         ``denoise``); see `limner.image.denoise`. None: not at all.
@@ -501,7 +504,7 @@ class Renderer:
         """The picture without noise, and without what was beside it for that alone."""
         assert self._denoise is not None
         made = denoised(image, self._denoise, threads=self._threads)
-        return replace(made, aov={name: values for name, values in made.aov.items() if name in self._aovs})
+        return replace(made, aov={name: values for name, values in made.aov.items() if name in self._aovs or name.startswith("light_")})
 
     def _scene_of_the_moment(self) -> Scene:
         """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
@@ -545,7 +548,32 @@ class Renderer:
 
     def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
         beside = self._beside()
-        return {**self._centre_channels(frame), **self._features(frame, beside), **self._light_channels(frame, beside)}
+        return {
+            **self._centre_channels(frame), **self._features(frame, beside), **self._light_channels(frame, beside), **self._passes(frame)
+        }  # fmt: skip
+
+    def _passes(self, frame: _Frame) -> dict[str, NDArray[Any]]:
+        """The picture's light in parts, as straight colour."""
+        made: dict[str, NDArray[Any]] = {}
+        wanted, stage = set(self._aovs) & set(PASSES), frame.stage
+        if not wanted or stage is None:
+            return made
+        settings = self._settings()
+        if wanted & {"direct", "indirect"}:
+            whole, _ = frame.film.developed(self._threads)
+            direct = self._part(stage, settings._replace(max_depth=min(settings.max_depth, 1)))
+            made |= {"direct": direct, "indirect": whole[..., :3] - direct}
+        if "light_groups" in wanted:
+            for name in group_names(stage, frame.scene):
+                made[f"light_{name}"] = self._part(lit_by(stage, frame.scene, name), settings)
+        return {name: values for name, values in made.items() if name in wanted or name.startswith("light_")}
+
+    def _part(self, stage: driver.Stage, settings: driver.Settings) -> NDArray[np.float32]:
+        """(height, width, 3) float32: the picture of a stage by the same samples."""
+        film = Film(self._width, self._height, self._tile_size)
+        work = driver.prepare_paths(stage, settings, film.sums)
+        run_all(lambda tile: film.expose(tile, work, 0, self._samples), film.tiles, self._threads)
+        return np.ascontiguousarray(film.developed(self._threads)[0][..., :3])
 
     def _features(self, frame: _Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
         """What denoisers are told."""
@@ -565,7 +593,7 @@ class Renderer:
         return {name: make() for name, make in made.items() if name in beside}
 
     def _centre_channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
-        if not set(self._aovs) - {*FEATURES, *LIGHT}:
+        if not set(self._aovs) & set(CHANNELS):
             return {}
         values, ids = empty_values(self._width, self._height)
         tables = with_solid_blends(frame.built.tables)
@@ -730,6 +758,9 @@ def _check_beside(aovs: tuple[str, ...], renderer: str, samples: int) -> None:
     beyond = [name for name in aovs if name in FEATURES or name in LIGHT]
     if beyond and renderer == "raster":
         raise UnsupportedError(f"raster has no channel {beyond[0]}; ray and path have")
+    parts = [name for name in aovs if name in PASSES]
+    if parts and renderer != "path":
+        raise UnsupportedError(f"{renderer} has no channel {parts[0]}; path has")
     if "variance" in beyond and samples < 2:
         raise SceneError(f"the channel variance needs 2 samples or more, got {samples}")
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FileFormatError, UnsupportedError
+from ..image.formats import is_light
 from .limits import Limits
 
 __all__ = ["Exr", "opened", "read_exr"]
@@ -58,7 +59,15 @@ def read_exr(path: str | os.PathLike[str], limits: Limits) -> Exr:
     extra = {suffix: color[suffix] for suffix in color if suffix not in ("R", "G", "B", "A", "Y", "RY", "BY")}
     aov = {name: _stacked(name, channels) for name, channels in layers.items()}
     aov.update({name: values for name, values in extra.items() if name not in aov})
-    return Exr(pixels, {name: values for name, values in aov.items() if values.shape[:2] == pixels.shape[:2]}, header)
+    fitting = {name: values for name, values in aov.items() if values.shape[:2] == pixels.shape[:2]}
+    return Exr(pixels, {name: _as_the_picture(name, values, pixels[..., 3:]) for name, values in fitting.items()}, header)
+
+
+def _as_the_picture(name: str, values: NDArray[Any], alpha: NDArray[np.float32]) -> NDArray[Any]:
+    """A part of the picture's light with straight alpha, as the picture has; other layers as they are."""
+    if not is_light(name) or values.ndim != 3:
+        return values
+    return np.asarray(values / np.where(alpha > 0.0, alpha, np.float32(1.0)), dtype=np.float32)
 
 
 def _check_size(path: str | os.PathLike[str], limits: Limits) -> None:

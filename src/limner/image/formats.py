@@ -29,7 +29,9 @@ from .recipe import KEYWORD, recipe_text
 if TYPE_CHECKING:
     from .image import Image
 
-__all__ = ["FORMATS", "LUMINANCE", "Format", "Options", "checked_options", "exr_layers", "format_of", "luminance_over_white", "png"]
+__all__ = [
+    "FORMATS", "LUMINANCE", "Format", "Options", "checked_options", "exr_layers", "format_of", "is_light", "luminance_over_white", "png",
+]  # fmt: skip
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722], dtype=np.float32)
 """(3,) float32: Y of linear Rec. 709. **Source**: ITU-R BT.709-6, 3.2."""
@@ -239,9 +241,17 @@ def exr_layers(image: Image, *, half: bool = False) -> dict[str, NDArray[Any]]:
         if values.dtype.kind in "iu" and values.size and int(np.abs(values).max()) > _EXACT_INTEGERS:
             raise UnsupportedError(f"{name} holds numbers above {_EXACT_INTEGERS}, which an EXR's floats cannot tell apart")
         planes = values.reshape(*values.shape[:2], -1)
-        for index, suffix in enumerate(_CHANNELS.get(name, "XYZW")[: planes.shape[2]]):
+        suffixes = _CHANNELS.get(name, "XYZW")
+        if is_light(name):
+            planes, suffixes = planes * alpha, "RGB"
+        for index, suffix in enumerate(suffixes[: planes.shape[2]]):
             layers[f"{name}.{suffix}"] = np.ascontiguousarray(planes[..., index], dtype=np.float32)
     return layers
+
+
+def is_light(name: str) -> bool:
+    """Whether a channel holds a part of the picture's light, premultiplied in files as the picture is."""
+    return name in ("direct", "indirect") or name.startswith("light_")
 
 
 def _over_black(image: Image) -> NDArray[np.float32]:

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from .accel import bvh
 from .accel.layouts import Accelerator
 from .aov import CHANNELS, FEATURES, LIGHT, PASSES, Moments, channels, empty_values, features_of, with_solid_blends
+from .color.views import checked_exposure, checked_view
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
 from .image.denoise import GUIDES, checked_denoiser, denoised
@@ -344,6 +345,8 @@ class Renderer:
         camera: Camera | None = None,
         *,
         output: Literal["uint8"],
+        view: str = "standard",
+        exposure: float = 0.0,
         on_progress: OnProgress | None = None,
         cancel: threading.Event | None = None,
     ) -> NDArray[np.uint8]: ...
@@ -353,6 +356,8 @@ class Renderer:
         camera: Camera | None = None,
         *,
         output: str = "image",
+        view: str = "standard",
+        exposure: float = 0.0,
         on_progress: OnProgress | None = None,
         cancel: threading.Event | None = None,
     ) -> Image | NDArray[np.uint8]:
@@ -364,6 +369,8 @@ class Renderer:
             In place of the scene's own.
         output : "image" | "uint8"
             An Image, or (height, width, 4) uint8 as a screen wants it.
+        view, exposure
+            As for `Image.to_uint8`; an Image takes them when it is saved.
         on_progress, cancel
             As in `limner.render`.
         """
@@ -371,10 +378,13 @@ class Renderer:
             raise UnsupportedError(f'output must be "image" or "uint8", got {output!r}')
         at_once = _SAMPLES_AT_ONCE[self._renderer]
         ends = [*range(at_once, self._samples, at_once), self._samples]
-        encode = output == "uint8" and self._denoise is None
+        is_standard = checked_view(view) == "standard" and checked_exposure(exposure) == 0.0
+        if output == "image" and not is_standard:
+            raise UnsupportedError('an Image holds light as it is: give view and exposure to its save, or ask for output="uint8"')
+        encode = output == "uint8" and self._denoise is None and is_standard
         with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False, encode=encode)) as pictures:
             made = next(pictures)
-        return made.to_uint8() if output == "uint8" and not encode else made
+        return made.to_uint8(view, exposure) if output == "uint8" and not encode else made
 
     def refine(
         self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
@@ -425,7 +435,8 @@ class Renderer:
                 self.slips = film.slips(bad)
                 picture = pixels if encode else self._image(frame, pixels, extra, finished=True)
                 if last == ends[-1]:
-                    picture = picture if encode or self._denoise is None else self._cleaned(picture)
+                    if isinstance(picture, Image) and self._denoise is not None:
+                        picture = self._cleaned(picture)
                     self._spare = film, frame.memory
                 yield picture
             first = last

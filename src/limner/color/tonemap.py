@@ -87,7 +87,7 @@ def hable(linear: ArrayLike) -> Floats:
         return (x * (A * x + C * B) + D * E) / (x * (A * x + B) + D * F) - E / F
 
     light = sound_light(linear)
-    at_white = float(filmed(np.float64(11.2)))
+    at_white = float(filmed(np.asarray(11.2)))
     return np.clip(filmed(2.0 * light) / at_white, 0.0, 1.0).astype(light.dtype)
 
 

@@ -15,6 +15,7 @@ from limner.errors import UnsupportedError
 from limner.files.open_image import open_image
 from limner.image.image import Image
 from limner.produce.clip import write_clip
+from limner.render import Renderer
 
 
 def _bright(alpha: float = 1.0) -> Image:
@@ -98,3 +99,12 @@ def test_light_is_converted_by_a_view_on_the_command_line(tmp_path: Path) -> Non
     assert refused.exit_code == 2
     assert "holds light as it is" in refused.output
     assert not (tmp_path / "c.exr").exists()
+
+
+def test_frames_have_views() -> None:
+    """`Renderer.render` gives the bytes of any view; an Image it gives as light only."""
+    with Renderer("teapot", width=16, height=12) as renderer:
+        shown = renderer.render(output="uint8", view="agx", exposure=1.0)
+        assert (shown == renderer.render().to_uint8("agx", 1.0)).all()
+        with pytest.raises(UnsupportedError, match="holds light as it is"):
+            renderer.render(view="agx")

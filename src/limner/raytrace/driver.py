@@ -76,7 +76,8 @@ _TRACE_FEATURES = _Doors(
     "limner.raytrace.features_tile",
     "feature_tile",
     (
-        *_PICTURE, Array(np.int32, 2), _I64, Array(np.int32, 1), _ENDS, Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64,
+        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), *INSTANTS_ARRAYS, Array(np.int32, 2), _I64,
+        Array(np.int32, 1), _ENDS, Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64,
     ),
     "what denoisers are told",
 )  # fmt: skip
@@ -264,7 +265,13 @@ def draw_features(
     needs_exact = stage.needs_exact()
 
     def bound() -> Callable[..., None]:
-        return _TRACE_FEATURES.serving(needs_exact).bind(*stage.arguments(), places, seed, *_Scratch(needs_exact).walk, features)
+        tables, view = stage.tables, stage.view
+        if len(stage.instants.cameras):  # what moves is moved in copies
+            tables, view = tables._replace(instances=tables.instances.copy()), view._replace(camera=view.camera.copy())
+        scratch = _Scratch(needs_exact)
+        return _TRACE_FEATURES.serving(needs_exact).bind(
+            *tables, *stage.tree, *view, *stage.instants, places, seed, *scratch.walk, features
+        )
 
     kernel = PerThread(bound)
     run_all(lambda tile: kernel.value(*tile), tiles_of(width, height, tile_size), threads)

@@ -49,9 +49,8 @@ def _mirror_of(bsdf) -> Color:
 @kernel
 def feature_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
-    nodes, packs, tags, primitives, planes,
-    header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
-    media, instants, moving, cameras, places, seed, stack, ends, features,
+    nodes, packs, tags, primitives, planes, camera_table, raster_from_object, instants, moving, cameras,
+    places, seed, stack, ends, features,
     tile, first_column, first_row, columns, rows,
 ):  # fmt: skip
     """Fill a tile of features (height, width, 7): albedo, normal, one over the way to it; row 0 at the bottom.

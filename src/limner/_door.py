@@ -64,6 +64,7 @@ _registry: dict[str, Door] = {}
 _DECLARING = (
     "limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages",
     "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion", "limner.image.denoise",
+    "limner.color.convert",
 )  # fmt: skip
 
 

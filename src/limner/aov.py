@@ -15,7 +15,9 @@ from .tables import layouts
 from .tables.layouts import SceneTables
 from .tiles import Tile
 
-__all__ = ["CHANNELS", "FEATURES", "LIGHT", "PASSES", "Moments", "channels", "empty_values", "features_of", "with_solid_blends"]
+__all__ = [
+    "CHANNELS", "FEATURES", "LIGHT", "PASSES", "Moments", "channels", "empty_values", "features_of", "samples_of", "with_solid_blends",
+]  # fmt: skip
 
 _FLOATS = {
     "depth": (0, 1), "distance": (1, 1), "normal": (2, 3), "normal_geometric": (5, 3), "position": (8, 3), "uv": (11, 2),
@@ -83,9 +85,15 @@ class Moments:
 
     def __init__(self, sums: NDArray[np.float32], n_tiles: int) -> None:
         self._sums = sums
-        self._before = np.zeros((*sums.shape[:2], 3), dtype=np.float32)
-        self._squares = np.zeros((*sums.shape[:2], 3), dtype=np.float64)
+        self._start = np.zeros((*sums.shape[:2], 3), dtype=np.float32)
+        self._before = np.zeros_like(self._start)
+        self._squares = np.zeros(self._start.shape, dtype=np.float64)
         self._tiles: list[tuple[Tile, int, int] | None] = [None] * n_tiles
+
+    def begin(self) -> None:
+        """Begin with the sums as they are now: what they hold came in passes that nobody looked at."""
+        self._start[:] = self._sums[..., :3]
+        self._before[:] = self._start
 
     def add(self, tile: Tile, n: int) -> None:
         """Take note of a pass of n samples that was added to a tile of the sums."""
@@ -97,32 +105,34 @@ class Moments:
         known = self._tiles[tile.number]
         self._tiles[tile.number] = tile, (known[1] if known else 0) + 1, (known[2] if known else 0) + n
 
-    def variance(self) -> NDArray[np.float32]:
-        """(height, width, 3) float32, row 0 on top: of the mean of straight colour; 0 where there was one pass only.
+    def variance(self, taken: NDArray[np.int64]) -> NDArray[np.float32]:
+        """(height, width, 3) float32, row 0 on top: of the mean of straight colour; 0 where fewer than two passes were looked at.
 
-        ``(sum n_k m_k² - n m²) / ((p - 1) n)`` of p passes with means m_k of n_k samples. Samples that are spread more evenly than by
-        chance make the mean better than this says.
+        ``(sum n_k m_k² - n m²) / (p - 1)`` of p passes with means m_k of n_k samples is the variance of one sample; that of the mean is
+        this over how many each tile has taken, `taken` (n,). Samples that are spread more evenly than by chance make the mean better than
+        this says.
         """
         made = np.zeros(self._squares.shape, dtype=np.float64)
         for entry in self._tiles:
             if entry is None or entry[1] < 2:
                 continue
             tile, passes, n = entry
-            place = _place(tile)
-            sums = self._sums[place].astype(np.float64)
-            alpha = sums[..., 3:] / n
-            spread = self._squares[place] - sums[..., :3] ** 2 / n
+            place, total = _place(tile), int(taken[tile.number])
+            added = (self._sums[place][..., :3] - self._start[place]).astype(np.float64)
+            alpha = self._sums[place][..., 3:].astype(np.float64) / total
+            spread = self._squares[place] - added**2 / n
             partial = np.where((alpha > 0.0) & (alpha < 1.0), alpha, 1.0)
-            made[place] = np.maximum(spread, 0.0) / ((passes - 1) * n) / partial**2
+            made[place] = np.maximum(spread, 0.0) / ((passes - 1) * total) / partial**2
         return np.ascontiguousarray(made[::-1], dtype=np.float32)
 
-    def samples(self) -> NDArray[np.int32]:
-        """(height, width) int32, row 0 on top: how many samples each pixel has taken."""
-        made = np.zeros(self._squares.shape[:2], dtype=np.int32)
-        for entry in self._tiles:
-            if entry is not None:
-                made[_place(entry[0])] = entry[2]
-        return np.ascontiguousarray(made[::-1])
+
+def samples_of(tiles: list[Tile], taken: NDArray[np.int64]) -> NDArray[np.int32]:
+    """(height, width) int32, row 0 on top: how many samples each pixel has taken, from those of each tile."""
+    height = max(tile.first_row + tile.rows for tile in tiles)
+    made = np.zeros((height, max(tile.first_column + tile.columns for tile in tiles)), dtype=np.int32)
+    for tile in tiles:
+        made[_place(tile)] = taken[tile.number]
+    return np.ascontiguousarray(made[::-1])
 
 
 def _place(tile: Tile) -> tuple[slice, slice]:

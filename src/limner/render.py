@@ -13,7 +13,9 @@ keeps what did not change from one picture to the next.
 from __future__ import annotations
 
 import contextlib
+import json
 import math
+import os
 import threading
 import warnings as python_warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -25,7 +27,8 @@ from numpy.typing import NDArray
 
 from .accel import bvh
 from .accel.layouts import Accelerator
-from .aov import CHANNELS, FEATURES, LIGHT, PASSES, Moments, channels, empty_values, features_of, with_solid_blends
+from .aov import CHANNELS, FEATURES, LIGHT, PASSES, Moments, channels, empty_values, features_of, samples_of, with_solid_blends
+from .budget import BLOCK, Budget, Spending
 from .color.views import checked_exposure, checked_view
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
@@ -64,6 +67,7 @@ AOVS = (*CHANNELS, *FEATURES, *LIGHT, *PASSES)
 MAX_SIDE = 32768
 MAX_PIXELS = 1 << 26
 MAX_SAMPLES = 1 << 20
+_MOST_SAMPLES = {"noise": 4096, "time": 1 << 16}
 _DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
 _TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
 _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
@@ -105,6 +109,12 @@ def render(
     aovs: Iterable[str] = (),
     denoise: str | None = None,
     default_lights: bool = True,
+    noise: float | None = None,
+    time_limit: float | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint_seconds: float = 60.0,
+    resume: bool = False,
+    on_snapshot: Callable[[Image], object] | None = None,
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
 ) -> Image:
@@ -177,6 +187,20 @@ def render(
         ``denoise``); see `limner.image.denoise`. None: not at all.
     default_lights : bool
         Whether a scene without any light gets some.
+    noise : float, optional
+        Go on in every part of the picture until the error that is left is this share of its brightness, 0.02 for example (`path`);
+        `samples` are then the most, 4096 where they are not given. See `limner.budget`.
+    time_limit : float, optional
+        Stop after so many seconds (`path`). How many samples were taken by then is `image.recipe["samples"]`, and so many of them make the
+        same picture again; `samples` are the most, 65536 where they are not given.
+    checkpoint : path, optional
+        A file in which the sums are kept every `checkpoint_seconds`, in case the process is killed (`path`); it goes when the picture is
+        done, and stays where time was up.
+    checkpoint_seconds : float
+    resume : bool
+        Whether to go on from the checkpoint, if it is there; the picture has the bits of one that was never stopped.
+    on_snapshot : callable, optional
+        Takes the picture so far every `checkpoint_seconds` (`path`).
     on_progress : callable, optional
         Takes a `Progress` now and then.
     cancel : threading.Event, optional
@@ -197,6 +221,8 @@ def render(
         time=time, animation=animation, antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping,
         culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, denoise=denoise,
         default_lights=default_lights,
+        noise=noise, time_limit=time_limit, checkpoint=checkpoint, checkpoint_seconds=checkpoint_seconds, resume=resume,
+        on_snapshot=on_snapshot,
     ) as once:  # fmt: skip
         image = once.render(camera, on_progress=on_progress, cancel=cancel)
     for slip in once.slips:
@@ -225,9 +251,9 @@ class Renderer:
     Parameters
     ----------
     scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter, time, animation,
-    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, denoise,
-    default_lights
-        As in `render`.
+    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, denoise, default_lights, noise, time_limit,
+    checkpoint, checkpoint_seconds, resume, on_snapshot
+        As in `render`; `refine` takes no notice of the last six.
 
     Every picture is the one that `render` would make, to the bit. A Renderer belongs to one thread at a time; several may work side by
     side. It can be pickled; what it keeps stays behind.
@@ -269,10 +295,19 @@ class Renderer:
         aovs: Iterable[str] = (),
         denoise: str | None = None,
         default_lights: bool = True,
+        noise: float | None = None,
+        time_limit: float | None = None,
+        checkpoint: str | os.PathLike[str] | None = None,
+        checkpoint_seconds: float = 60.0,
+        resume: bool = False,
+        on_snapshot: Callable[[Image], object] | None = None,
     ) -> None:
         _check(width, height, renderer, samples, seed, max_depth, tile_size)
         self._width, self._height, self._renderer = int(width), int(height), renderer
-        self._samples = _DEFAULT_SAMPLES[renderer] if samples is None else int(samples)
+        self._budget = _checked_budget(renderer, sampler, noise, time_limit, checkpoint, checkpoint_seconds, resume, on_snapshot)
+        self._on_snapshot = on_snapshot
+        most = _MOST_SAMPLES["noise" if noise is not None else "time"] if self._is_open else _DEFAULT_SAMPLES[renderer]
+        self._samples = most if samples is None else int(samples)
         self._seed, self._max_depth, self._shadows = int(seed), int(max_depth), renderer != "raster" if shadows is None else bool(shadows)
         if antialiasing not in ("supersample", "multisample"):
             raise UnsupportedError(f'antialiasing must be "supersample" or "multisample", got {antialiasing!r}')
@@ -297,6 +332,8 @@ class Renderer:
         self._culling, self._filter = culling, filter
         self._threads = thread_count(threads)
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
+        if noise is not None:
+            self._tile_size = BLOCK  # what is decided block by block must not depend on tiles
         self._aovs, self._denoise = _wanted_aovs(aovs), _checked_denoiser(denoise, renderer)
         _check_beside(self._aovs, renderer, self._samples)
         self._default_lights = bool(default_lights)
@@ -382,9 +419,61 @@ class Renderer:
         if output == "image" and not is_standard:
             raise UnsupportedError('an Image holds light as it is: give view and exposure to its save, or ask for output="uint8"')
         encode = output == "uint8" and self._denoise is None and is_standard
+        if self._budget is not None:
+            made = self._within_budget(self._budget, camera, on_progress, cancel, encode=encode)
+            return made.to_uint8(view, exposure) if output == "uint8" and isinstance(made, Image) else made
         with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False, encode=encode)) as pictures:
             made = next(pictures)
         return made.to_uint8(view, exposure) if output == "uint8" and not encode else made
+
+    @property
+    def _is_open(self) -> bool:
+        """Whether something else than the number of samples ends a picture."""
+        return self._budget is not None and (self._budget.noise is not None or self._budget.seconds is not None)
+
+    def _within_budget(
+        self, budget: Budget, camera: Camera | None, on_progress: OnProgress | None, cancel: threading.Event | None, *, encode: bool
+    ) -> Image | NDArray[np.uint8]:
+        """Expose a film until the budget is spent."""
+        _check_listeners(on_progress, cancel)
+        meter = Meter(on_progress, "render")
+        meter.report(0.0)
+        self._spare = None  # a film is gone on with here, not begun
+        frame = self._prepared(camera)
+        film = frame.film
+        spending, finished = Spending(film, frame.work, self._samples, budget, self._key_of(frame)), True
+
+        def snapshot() -> None:
+            assert self._on_snapshot is not None
+            self._on_snapshot(self._image(frame, film.developed(self._threads)[0], {}, finished=False))
+
+        try:
+            on_kept = None if self._on_snapshot is None else snapshot
+            if frame.moments is not None:
+                frame.moments.begin()  # after what a checkpoint has restored
+            spending.passes(self._step(frame), self._threads, meter.report, cancel, on_kept)
+            extra = {} if encode else self._channels(frame)
+        except (Cancelled, KeyboardInterrupt):
+            finished, extra = False, {}
+        if encode:
+            encoded, self.slips = film.encoded(self._threads)
+            return encoded
+        pixels, self.slips = film.developed(self._threads)
+        # Where noise decides, many were allowed, and only time can have made them fewer.
+        image = self._image(frame, pixels, extra, finished=finished, samples=self._reached(spending, finished))
+        return self._cleaned(image) if finished and self._denoise is not None else image
+
+    def _reached(self, spending: Spending, finished: bool) -> int | None:
+        """How many samples have to be asked for to make the same picture again, if any number does."""
+        return (spending.reached if spending.is_out_of_time else self._samples) if finished else None
+
+    def _key_of(self, frame: _Frame) -> str:
+        """Of which picture a checkpoint is; how many samples it will have at last is not told by the samplers that do not care."""
+        if self._budget is None or self._budget.checkpoint is None:
+            return ""
+        told = dict(self._recipe(frame, 0, finished=True))
+        samples = 0 if self._sampler in (None, "sobol", "random") else self._samples
+        return json.dumps({**told, "samples": samples, "tile_size": self._tile_size}, sort_keys=True)
 
     def refine(
         self, camera: Camera | None = None, *, on_progress: OnProgress | None = None, cancel: threading.Event | None = None
@@ -409,10 +498,7 @@ class Renderer:
         encode: bool,
     ) -> Generator[Any, None, None]:
         """Expose a film up to each of `ends` samples; yield the picture after each, or after the last."""
-        if on_progress is not None and not callable(on_progress):
-            raise SceneError(f"on_progress must be a function of a Progress, got {type(on_progress).__name__}")
-        if cancel is not None and not callable(getattr(cancel, "is_set", None)):
-            raise SceneError(f"cancel must be a threading.Event, got {type(cancel).__name__}")
+        _check_listeners(on_progress, cancel)
         meter = Meter(on_progress, "render")
         meter.report(0.0)
         try:
@@ -451,16 +537,12 @@ class Renderer:
         develop: Callable[[Tile], None] | None,
     ) -> None:
         """Add samples first..last to every tile, a few at a time, so that a stop is soon heard; then develop it, while it is at hand."""
-        step, moments = _SAMPLES_AT_ONCE[self._renderer], frame.moments
-        if moments is not None:
-            step = max(1, min(step, self._samples // _LEAST_PASSES))
+        step = self._step(frame)
         for start in range(first, last, step):
             end = min(start + step, last)
 
             def expose(tile: Tile, start: int = start, end: int = end) -> None:
                 frame.film.expose(tile, frame.work, start, end)
-                if moments is not None:
-                    moments.add(tile, end - start)
                 if develop is not None and end == last:
                     develop(tile)
 
@@ -468,6 +550,11 @@ class Renderer:
                 meter.report((start + part * (end - start)) / self._samples)
 
             run_all(expose, frame.film.tiles, self._threads, report, cancel)
+
+    def _step(self, frame: _Frame) -> int:
+        """Samples of a pass: few enough for a stop to be soon heard, and for what a variance is made of."""
+        step = _SAMPLES_AT_ONCE[self._renderer]
+        return step if frame.moments is None else max(1, min(step, self._samples // _LEAST_PASSES))
 
     def _prepared(self, camera: Camera | None) -> _Frame:
         if camera is not None and not isinstance(camera, Camera):
@@ -485,11 +572,12 @@ class Renderer:
         messages = (*messages, *built.notes)
         seen = view(scene, built.tables, scene.camera, self._width, self._height, opening)
         (film, memory), self._spare = self._spare or (Film(self._width, self._height, self._tile_size), Memory()), None
-        light, background = self._lighting(scene, built), _background(scene)
+        moved = None if is_raster else instants(scene, built.tables, scene.camera, self._width, self._height, self._shutter)
+        light, background = self._lighting(scene, built, None if moved is None else moved.moving), _background(scene)
         notes: list[str] = []
         work: Work
         stage: driver.Stage | None = None
-        if is_raster:
+        if moved is None:
             notes.extend(_left_out(scene))
             places, weights = filtered_samples(self._samples, self._filter)
             shadows = pipeline.Shadows(self._tree_of(built), media_table(scene), self._tinted_shadows) if self._shadows else None
@@ -499,11 +587,11 @@ class Renderer:
                 hidden_surfaces=self._hidden_surfaces, clipping=self._clipping, on_note=notes.append, shadows=shadows, memory=memory,
             )  # fmt: skip
         else:
-            moved = instants(scene, built.tables, scene.camera, self._width, self._height, self._shutter)
             stage = driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, background)
             prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
             work = prepare(stage, self._settings(), film.sums)
-        moments = Moments(film.sums, len(film.tiles)) if set(LIGHT) & set(self._beside()) else None
+        moments = Moments(film.sums, len(film.tiles)) if "variance" in self._beside() else None
+        film.on_exposed = None if moments is None else moments.add
         return _Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes), stage, moments)
 
     def _beside(self) -> tuple[str, ...]:
@@ -545,17 +633,17 @@ class Renderer:
             self._tree = built, bvh.build(built.tables)
         return self._tree[1]
 
-    def _lighting(self, scene: Scene, built: Built) -> Lighting:
+    def _lighting(self, scene: Scene, built: Built, moving: NDArray[np.int32] | None) -> Lighting:
         environment = scene.environment
         if environment is None:
-            return lighting(built.tables, None)
+            return lighting(built.tables, None, moving=moving)
         if self._sky[0] is not environment:
             pixels = _sky_pixels(environment)
             # A path tracer asks the sky itself.
             blurred = None if self._renderer == "path" else blurred_sky(pixels, self._threads)
             self._sky = environment, pixels, blurred
         visible = scene.background == "environment"
-        return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2])
+        return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2], moving)
 
     def _channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
         beside = self._beside()
@@ -572,18 +660,18 @@ class Renderer:
         settings = self._settings()
         if wanted & {"direct", "indirect"}:
             whole, _ = frame.film.developed(self._threads)
-            direct = self._part(stage, settings._replace(max_depth=min(settings.max_depth, 1)))
+            direct = self._part(frame.film, stage, settings._replace(max_depth=min(settings.max_depth, 1)))
             made |= {"direct": direct, "indirect": whole[..., :3] - direct}
         if "light_groups" in wanted:
             for name in group_names(stage, frame.scene):
-                made[f"light_{name}"] = self._part(lit_by(stage, frame.scene, name), settings)
+                made[f"light_{name}"] = self._part(frame.film, lit_by(stage, frame.scene, name), settings)
         return {name: values for name, values in made.items() if name in wanted or name.startswith("light_")}
 
-    def _part(self, stage: driver.Stage, settings: driver.Settings) -> NDArray[np.float32]:
-        """(height, width, 3) float32: the picture of a stage by the same samples."""
+    def _part(self, whole: Film, stage: driver.Stage, settings: driver.Settings) -> NDArray[np.float32]:
+        """(height, width, 3) float32: the picture of a stage by the samples that the whole picture has taken."""
         film = Film(self._width, self._height, self._tile_size)
         work = driver.prepare_paths(stage, settings, film.sums)
-        run_all(lambda tile: film.expose(tile, work, 0, self._samples), film.tiles, self._threads)
+        run_all(lambda tile: film.expose(tile, work, 0, int(whole.taken[tile.number])), film.tiles, self._threads)
         return np.ascontiguousarray(film.developed(self._threads)[0][..., :3])
 
     def _features(self, frame: _Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
@@ -597,11 +685,12 @@ class Renderer:
 
     def _light_channels(self, frame: _Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
         """How sure the picture is of itself."""
-        moments = frame.moments
-        if moments is None:
-            return {}
-        made = {"variance": moments.variance, "samples": moments.samples}
-        return {name: make() for name, make in made.items() if name in beside}
+        made: dict[str, NDArray[Any]] = {}
+        if frame.moments is not None:
+            made["variance"] = frame.moments.variance(frame.film.taken)
+        if "samples" in beside:
+            made["samples"] = samples_of(frame.film.tiles, frame.film.taken)
+        return made
 
     def _centre_channels(self, frame: _Frame) -> dict[str, NDArray[Any]]:
         if not set(self._aovs) & set(CHANNELS):
@@ -617,9 +706,11 @@ class Renderer:
             driver.draw_channels(tables, frame.view, values, ids, threads=self._threads, tile_size=self._tile_size)
         return channels(self._aovs, values, ids)
 
-    def _image(self, frame: _Frame, pixels: NDArray[Any], extra: dict[str, NDArray[Any]], *, finished: bool) -> Image:
+    def _image(
+        self, frame: _Frame, pixels: NDArray[Any], extra: dict[str, NDArray[Any]], *, finished: bool, samples: int | None = None
+    ) -> Image:
         id_names = {name: ids for name, ids in names(frame.scene).items() if name in extra}
-        recipe = self._recipe(frame, int(frame.film.taken.min()), finished=finished)
+        recipe = self._recipe(frame, int(frame.film.taken.min()) if samples is None else samples, finished=finished)
         blank = finished and bool(frame.scene.shapes()) and not pixels[..., 3].any()
         messages = (*frame.messages, *self.slips, *((_BLANK,) if blank else ()))
         return Image(pixels, extra, id_names, recipe, messages, finished)
@@ -653,6 +744,8 @@ class Renderer:
             "default_lights": self._default_lights,
             "camera": _plain(frame.camera),
         }
+        if self._budget is not None and self._budget.noise is not None:
+            values["noise"] = self._budget.noise
         if not finished:
             values["finished"] = False
         scene = frame.scene
@@ -682,6 +775,37 @@ def _check(width: int, height: int, renderer: str, samples: int | None, seed: in
         raise SceneError(f"max_depth must be an integer from 0 to 1000, got {max_depth!r}")
     if tile_size is not None and (not is_whole(tile_size) or not 8 <= tile_size <= 1024):
         raise SceneError(f"tile_size must be an integer from 8 to 1024, got {tile_size!r}")
+
+
+def _check_listeners(on_progress: OnProgress | None, cancel: threading.Event | None) -> None:
+    if on_progress is not None and not callable(on_progress):
+        raise SceneError(f"on_progress must be a function of a Progress, got {type(on_progress).__name__}")
+    if cancel is not None and not callable(getattr(cancel, "is_set", None)):
+        raise SceneError(f"cancel must be a threading.Event, got {type(cancel).__name__}")
+
+
+def _checked_budget(
+    renderer: str, sampler: str | None, noise: float | None, time_limit: float | None, checkpoint: str | os.PathLike[str] | None,
+    checkpoint_seconds: float, resume: bool, on_snapshot: object,
+) -> Budget | None:  # fmt: skip
+    """What ends a picture beside its number of samples; None: nothing."""
+    if noise is None and time_limit is None and checkpoint is None and on_snapshot is None:
+        if resume:
+            raise SceneError("resume needs the checkpoint to go on from")
+        return None
+    if renderer != "path":
+        raise UnsupportedError(f'noise, time_limit, checkpoint and on_snapshot are for renderer="path", got {renderer!r}')
+    for name, value in (("noise", noise), ("time_limit", time_limit), ("checkpoint_seconds", checkpoint_seconds)):
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if value is not None and not (is_number and math.isfinite(value) and value > 0):
+            raise SceneError(f"{name} must be a positive number, got {value!r}")
+    if (noise is not None or time_limit is not None) and sampler not in (None, "sobol", "random"):
+        raise UnsupportedError(f'the sampler {sampler!r} must know the number of samples beforehand; "sobol" need not')
+    if checkpoint is not None and not isinstance(checkpoint, (str, os.PathLike)):
+        raise SceneError(f"checkpoint must be a path, got {checkpoint!r}")
+    if on_snapshot is not None and not callable(on_snapshot):
+        raise SceneError(f"on_snapshot must be a function of an Image, got {type(on_snapshot).__name__}")
+    return Budget(noise, time_limit, checkpoint, float(checkpoint_seconds), bool(resume))
 
 
 def _checked_sampler(sampler: str | None, renderer: str) -> str | None:

@@ -78,6 +78,16 @@ limner.add_command(schema)
     "--sampler", type=click.Choice(["regular", "random", "jittered", "multijittered", "halton", "sobol"]),
     help="How samples are spread (ray, path).  [default: the renderer's]",
 )  # fmt: skip
+@click.option("--noise", type=click.FloatRange(min=0.0, min_open=True), help="Go on until the error is this part of the light (path).")
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="Stop after so long, and tell how many samples that were (path).",
+)  # fmt: skip
+@click.option(
+    "--snapshots", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="Save the picture so far so often, and beside it what --resume needs (path).",
+)  # fmt: skip
+@click.option("--resume", is_flag=True, help="Go on from what --snapshots left of a picture that was killed or out of time (path).")
 @click.option("--glossy", is_flag=True, help="Follow what rough mirrors reflect by rays (ray; path does anyway).")
 @click.option("--emitters", is_flag=True, help="Let surfaces that shine light others (ray; path does anyway).")
 @click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")

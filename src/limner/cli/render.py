@@ -98,6 +98,10 @@ class Order:
     denoise: str | None = None
     further: dict[str, Any] = field(default_factory=dict)
     report: bool = False
+    noise: float | None = None
+    time_limit: float | None = None
+    snapshots: float | None = None
+    resume: bool = False
 
 
 def make_picture(order: Order, talk: Talk) -> None:
@@ -155,6 +159,7 @@ def make_picture(order: Order, talk: Talk) -> None:
             aovs=order.aovs,
             denoise=order.denoise,
             on_progress=bar,
+            **_budget(order),
             **order.further,
         )
     rendered = time.perf_counter()
@@ -169,11 +174,26 @@ def make_picture(order: Order, talk: Talk) -> None:
 
     seconds = {"load": loaded - started, "render": rendered - loaded, "save": saved - rendered}
     talk.detail(", ".join(f"{step} {spent:.3f} s" for step, spent in seconds.items()))
+    if order.time_limit is not None and image.finished:
+        talk.say("samples", f"{image.recipe['samples']}; --samples {image.recipe['samples']} makes the same picture again")
     if not image.finished:
         talk.say("interrupted", f"the picture so far is in {order.output}")
         talk.code = INTERRUPTED
     if order.as_json:
         _tell(order, scene, image, seconds, report)
+
+
+def _budget(order: Order) -> dict[str, Any]:
+    """What `limner.render` is told of when to stop, and of what to keep meanwhile."""
+    told: dict[str, Any] = {"noise": order.noise, "time_limit": order.time_limit}
+    if order.snapshots is None and not order.resume:
+        return told
+    if order.output == "-":
+        raise click.UsageError("--snapshots and --resume need a file to write to, got -o -")
+    told |= {"checkpoint": f"{order.output}.checkpoint", "resume": order.resume}
+    if order.snapshots is not None:
+        told |= {"checkpoint_seconds": order.snapshots, "on_snapshot": lambda image: image.save(order.output)}
+    return told
 
 
 def _by_numbers(order: Order, scene: Scene) -> tuple[Scene, ColorBar | None]:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Verdict", "camera_from_recipe", "moved", "origin", "render_again", "scene_from_recipe", "verify"]
 
-_NOT_SETTINGS = ("camera", "scene", "threads", "tile_size", "aovs", "on_progress", "cancel")
+_NOT_SETTINGS = ("camera", "scene", "threads", "tile_size", "aovs", "on_progress", "cancel", "on_snapshot")
 
 
 class Verdict(NamedTuple):

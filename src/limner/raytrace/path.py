@@ -45,11 +45,12 @@ __all__ = ["path_radiance"]
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
-_FIRST_ROULETTE = 3
+_FIRST_ROULETTE = 5
 _LEAST_SURVIVAL = f32(0.05)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
-_PER_SURFACE = 7
+_PER_SURFACE = 5
+_EMITTER, _SKY, _DIRECTION, _LOBE_AND_ROULETTE, _COVERAGE = 0, 1, 2, 3, 4
 _FIRST_LIGHT = -3
 
 
@@ -87,21 +88,32 @@ def _from_lights(
 
 
 @kernel
+def _is_asked(lighting, rules: Rules) -> bool:
+    """Whether the sky is asked for light: no path that scatters as its surface does can find an even one better by asking."""
+    header = lighting[0][0]
+    return header["sky_present"] != 0 and (header["sky_even"] == 0 or rules.tinted != 0)
+
+
+@kernel
 def _direct(
-    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, wo: Vec3,
-    choice, u1, v1, u2, v2, stack,
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, dimension: int, point: SurfacePoint, bsdf,
+    wo: Vec3, stack,
 ) -> Color:  # fmt: skip
     """Light that comes straight from lights, shining surfaces and the sky, one sample of each."""
     p, n = point.position, point.n
     total = _from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
-    shine = sample_emitter(scene, lighting, p, choice, u1, v1)
+    u, v = draw_2d(sampler, dimension + _EMITTER) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
+    shine = sample_emitter(scene, lighting, p, u, v)
     if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
         if max_component(value) > ZERO:
             seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
             weight = ONE if seen.through_glass else _balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
             total = total + value * (weight / shine.pdf) * seen.share
-    sky = sample_sky(lighting, u2, v2)
+    if not _is_asked(lighting, rules):
+        return total
+    u, v = draw_2d(sampler, dimension + _SKY)
+    sky = sample_sky(lighting, u, v)
     if sky.pdf > ZERO and dot(n, sky.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
         if max_component(value) > ZERO:
@@ -114,7 +126,7 @@ def _direct(
 @outlined
 def _lit_share(
     scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, wo: Vec3,
-    choice, u1, v1, u2, v2, stack,
+    u1, v1, u2, v2, stack,
 ) -> np.float32:  # fmt: skip
     """How much of the light that would fall on a white surface does fall on it, by one sample of each kind of light."""
     lights = scene[7]
@@ -129,7 +141,7 @@ def _lit_share(
                 seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack)
                 everything = everything + from_light
                 arriving = arriving + from_light * luminance(seen.share)
-    shine = sample_emitter(scene, lighting, point.position, choice, u1, v1)
+    shine = sample_emitter(scene, lighting, point.position, u1, v1)
     if shine.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, shine.wi) * shine.radiance) / shine.pdf
         if value > ZERO:
@@ -180,7 +192,8 @@ def path_radiance(
     dx, dy = draw_2d(sampler, 0)
     x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
     ray = view_ray(camera, x, y)
-    has_lens = camera["aperture_radius"] > ZERO
+    # Only textures ask how a point moves from pixel to pixel.
+    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0
     if has_lens:
         u, v = draw_2d(sampler, LENS)
         ray = lens_ray(camera, x, y, u, v)
@@ -208,12 +221,14 @@ def path_radiance(
                     total, alpha = total + throughput * sky_radiance(lighting, normalize(d)), ONE
             else:
                 wi = normalize(d)
-                weight = ONE if by_chance_only else _balance(pdf, pdf_sky(lighting, wi))
-                if was_asked:
-                    weight = ZERO
+                weight = ONE
+                if _is_asked(lighting, rules):
+                    weight = ONE if by_chance_only else _balance(pdf, pdf_sky(lighting, wi))
+                    if was_asked:
+                        weight = ZERO
                 total = total + throughput * (sky_radiance(lighting, wi) * weight + ambient_level(lights))
             break
-        if not from_camera:
+        if not from_camera or not shows_texture:
             point = hit_point(scene, accelerator, hit, o, d)
             wo = normalize(-d)
         elif has_lens or moves:
@@ -246,7 +261,8 @@ def path_radiance(
             ns = shading_normal(material, owner, point, textures, texels)
             ways = meet_interface(material["fresnel"], roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
-            if draw_1d(sampler, dimension + 1) * both < ways.reflectance:
+            way, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
+            if way * both < ways.reflectance:
                 o, d, looks_through = off_surface(point, point.n), ways.reflected, False
                 throughput = throughput * both
             else:
@@ -259,19 +275,17 @@ def path_radiance(
             dimension += _PER_SURFACE
         else:
             bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
-            u1, v1 = draw_2d(sampler, dimension)
-            u2, v2 = draw_2d(sampler, dimension + 1)
-            choice = draw_1d(sampler, dimension + 2)
             coverage = bsdf.alpha
             if material["kind"] == SHADOW_CATCHER:
                 # Only the camera's own view has use for it; other light goes through.
                 coverage = ZERO
                 if untouched:
+                    u1, v1 = draw_2d(sampler, dimension + _EMITTER)
+                    u2, v2 = draw_2d(sampler, dimension + _SKY)
                     coverage = ONE - _lit_share(
-                        scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, choice, u1, v1, u2,
-                        v2, stack,
-                    )  # fmt: skip
-            if coverage < ONE and draw_1d(sampler, dimension + 5) >= coverage:
+                        scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, u1, v1, u2, v2, stack
+                    )
+            if coverage < ONE and draw_1d(sampler, dimension + _COVERAGE) >= coverage:
                 # Straight on: neither the direction's density nor what is owed to the lights changes.
                 o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
                 dimension += _PER_SURFACE
@@ -284,11 +298,12 @@ def path_radiance(
             if scatterings >= rules.max_depth or material["kind"] == SHADOW_CATCHER:
                 break
             total = total + throughput * _direct(
-                scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, choice, u1, v1, u2, v2, stack
+                scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, dimension, point, bsdf, wo, stack
             )
             light_dimension -= lights.shape[0]
-            u, v = draw_2d(sampler, dimension + 3)
-            scattered = sample_bsdf(bsdf, wo, draw_1d(sampler, dimension + 4), u, v)
+            u, v = draw_2d(sampler, dimension + _DIRECTION)
+            lobe, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
+            scattered = sample_bsdf(bsdf, wo, lobe, u, v)
             if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
                 break
             throughput = throughput * scattered.value * (ONE / scattered.pdf)
@@ -303,10 +318,10 @@ def path_radiance(
             dimension += _PER_SURFACE
         scatterings += 1
         if scatterings >= _FIRST_ROULETTE:
-            survival = min(max(max_component(throughput), _LEAST_SURVIVAL), ONE)
-            if draw_1d(sampler, dimension - 1) >= survival:
+            survival = max(max_component(throughput), _LEAST_SURVIVAL)
+            if luck >= survival:
                 break
-            throughput = throughput * (ONE / survival)
+            throughput = throughput * (ONE / min(survival, ONE))
         if max_component(throughput) <= ZERO:
             break
     return total, alpha

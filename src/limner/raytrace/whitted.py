@@ -18,7 +18,7 @@ import numpy as np
 
 from .._jit import kernel, outlined
 from ..accel.walk import first_hit
-from ..kernel.sampler import Sampler, draw_1d, draw_2d
+from ..kernel.sampler import Sampler, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
@@ -58,7 +58,7 @@ PENDING_NUMBERS, PENDING_WORDS = 10, 4
 looks through (only been refracted since the eye) as int64."""
 
 # Decisions at a hit, after one for each light
-_WHICH_EMITTER, _WHERE_ON_EMITTER, _WHICH_FACET, _DECISIONS = 0, 1, 2, 3
+_WHERE_ON_EMITTER, _WHICH_FACET, _DECISIONS = 0, 1, 2
 
 
 @kernel
@@ -115,7 +115,7 @@ def _emitters_radiance(
 ) -> Color:  # fmt: skip
     """Light from one point of all surfaces that shine."""
     u, v = draw_2d(sampler, first + _WHERE_ON_EMITTER)
-    shine = sample_emitter(scene, lighting, point.position, draw_1d(sampler, first + _WHICH_EMITTER), u, v)
+    shine = sample_emitter(scene, lighting, point.position, u, v)
     if shine.pdf <= ZERO:
         return Color(ZERO, ZERO, ZERO)
     value = eval_bsdf(bsdf, wo, shine.wi)

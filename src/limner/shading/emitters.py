@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..kernel.elementary import sqrt
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..kernel.warp import warp_triangle
@@ -54,32 +54,52 @@ def pdf_emitter(lighting, material, cos_theta: np.float32, squared: np.float32) 
     return material["emission_weight"] / total * squared / cos_theta
 
 
-@kernel
-def sample_emitter(scene, lighting, p: Vec3, choice: np.float32, u: np.float32, v: np.float32) -> EmitterSample:
-    """Draw a point of the shining surfaces as seen from p; single-sided ones shine to their front only."""
+@outlined
+def _shining_point(scene, emitter, b1: np.float32, b2: np.float32):
+    """(position, normal, radiance) of a point of an emitter that moves or has a texture."""
     instances, meshes, positions, triangles, attributes, slots, materials, _, textures, texels = scene
+    instance = instances[emitter["instance"]]
+    geometry = (positions, triangles, attributes, slots)
+    point = surface_at(geometry, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2))
+    bsdf = resolve(materials[point.material], instance, point, textures, texels)
+    return point.position, point.n, bsdf.emission * bsdf.alpha
+
+
+@kernel
+def _vector(row) -> Vec3:
+    return Vec3(row[0], row[1], row[2])
+
+
+@kernel
+def sample_emitter(scene, lighting, p: Vec3, u: np.float32, v: np.float32) -> EmitterSample:
+    """Draw a point of the shining surfaces as seen from p; single-sided ones shine to their front only.
+
+    u chooses the triangle, and what is left of it the point, so that points that are spread well over the unit square are so over a
+    surface of many triangles, too.
+    """
     emitters = lighting[3]
     nothing = EmitterSample(Vec3(ZERO, ONE, ZERO), ZERO, Color(ZERO, ZERO, ZERO), ZERO)
     if emitters.shape[0] == 0:
         return nothing
-    emitter = emitters[_find(emitters, choice)]
-    instance = instances[emitter["instance"]]
-    b1, b2 = warp_triangle(u, v)
-    mesh = meshes[instance["mesh"]]
-    point = surface_at(
-        (positions, triangles, attributes, slots), instance, mesh, np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2)
-    )
-    to_light = point.position - p
+    k = _find(emitters, u)
+    emitter = emitters[k]
+    before = emitters[k - 1]["cumulative"] if k > 0 else ZERO
+    share = emitter["cumulative"] - before
+    b1, b2 = warp_triangle(min((u - before) / share, ONE) if share > ZERO else ZERO, v)
+    position = _vector(emitter["corner"]) + _vector(emitter["edge_u"]) * b1 + _vector(emitter["edge_v"]) * b2
+    n, c = _vector(emitter["normal"]), emitter["radiance"]
+    radiance = Color(c[0], c[1], c[2])
+    if emitter["plain"] == 0:
+        position, n, radiance = _shining_point(scene, emitter, b1, b2)
+    to_light = position - p
     squared = dot(to_light, to_light)
     if squared <= ZERO:
         return nothing
     distance = sqrt(squared)
     wi = to_light * (ONE / distance)
-    cos_theta = -dot(point.n, wi)
-    material = materials[point.material]
-    if material["double_sided"] != 0:
+    cos_theta = -dot(n, wi)
+    if emitter["double_sided"] != 0:
         cos_theta = abs(cos_theta)
     if cos_theta <= ZERO:
         return nothing
-    bsdf = resolve(material, instance, point, textures, texels)
-    return EmitterSample(wi, distance, bsdf.emission * bsdf.alpha, pdf_emitter(lighting, material, cos_theta, squared))
+    return EmitterSample(wi, distance, radiance, emitter["weight"] / lighting[0][0]["emitted_power"] * squared / cos_theta)

@@ -239,6 +239,7 @@ LIGHTING = np.dtype(
     [
         ("sky_present", i32),
         ("sky_visible", i32),  # 1: it is also what lies behind everything
+        ("sky_even", i32),  # 1: of one radiance all around
         ("sky_width", i32),
         ("sky_height", i32),
         ("sky_intensity", f32),
@@ -255,6 +256,14 @@ EMITTER = np.dtype(
         ("instance", i32),
         ("triangle", i32),
         ("cumulative", f32),  # share of the power up to and with this one
+        ("corner", f32, 3),  # world space, when the shutter opens
+        ("edge_u", f32, 3),
+        ("edge_v", f32, 3),
+        ("normal", f32, 3),  # unit
+        ("radiance", f32, 3),
+        ("weight", f32),  # of its material
+        ("double_sided", i32),
+        ("plain", i32),  # 1: it stands still and shines alike everywhere, so that this row says all
     ],
     align=True,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 def lighting(
     tables: SceneTables, sky: NDArray[np.float32] | None, intensity: float = 1.0, rotation_degrees: float = 0.0, visible: bool = False,
-    blurred: NDArray[np.float32] | None = None,
+    blurred: NDArray[np.float32] | None = None, moving: NDArray[np.int32] | None = None,
 ) -> Lighting:  # fmt: skip
     """Make the tables of a scene's lighting.
 
@@ -33,6 +34,8 @@ def lighting(
         Whether the sky is also what lies behind everything.
     blurred : (n, width, 3) float32, optional
         What `limner.shading.prefilter` makes of the sky.
+    moving : (n,) int32, optional
+        Rows of the instances that do not stand still while the shutter is open.
     """
     header = np.zeros(1, dtype=layouts.LIGHTING)
     row = header[0]
@@ -44,9 +47,10 @@ def lighting(
         row["sky_present"], row["sky_visible"] = 1, visible
         row["sky_height"], row["sky_width"] = pixels.shape[:2]
         row["sky_intensity"], row["sky_cos"], row["sky_sin"] = intensity, math.cos(angle), math.sin(angle)
+        row["sky_even"] = bool((pixels == pixels[:1, :1]).all())
         row["irradiance"] = irradiance_harmonics(pixels, angle) * intensity
         cumulative = sky_cumulative(pixels)
-    emitters, power = _emitters(tables)
+    emitters, power = _emitters(tables, moving)
     row["emitted_power"] = power
     return Lighting(header, pixels, cumulative, emitters, np.zeros((0, 0, 3), dtype=np.float32) if blurred is None else blurred)
 
@@ -104,32 +108,59 @@ def sky_cumulative(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.concatenate([marginal, within.reshape(-1)]).astype(np.float32)
 
 
-def _emitters(tables: SceneTables) -> tuple[NDArray[np.void], float]:
+class _Shining(NamedTuple):
+    """The triangles of one instance that shine."""
+
+    instance: int
+    triangles: NDArray[np.int64]
+    materials: NDArray[np.int64]
+    corners: NDArray[np.float64]  # (n, 3, 3), world space
+    power: NDArray[np.float64]
+
+
+def _emitters(tables: SceneTables, moving: NDArray[np.int32] | None) -> tuple[NDArray[np.void], float]:
     """The triangles that shine, with their shares of the power: weight of their material times area."""
-    weights = tables.materials["emission_weight"]
-    found: list[tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]] = []
-    if (weights > 0.0).any():
-        for k, instance in enumerate(tables.instances):
-            if instance["kind"] not in (layouts.MESH, layouts.BOX) or instance["mesh"] < 0:
-                continue
-            mesh = tables.meshes[instance["mesh"]]
-            n = int(mesh["n_triangles"])
-            slots = tables.slots[mesh["slot"] : mesh["slot"] + n] if mesh["slot"] >= 0 else np.zeros(n, dtype=np.int32)
-            weight = weights[instance["material"] + slots]
-            shining = np.flatnonzero(weight > 0.0)
-            if len(shining):
-                corners = tables.positions[mesh["position"] + tables.triangles[mesh["triangle"] + shining]].astype(np.float64)
-                world = corners @ instance["world_from_object"][:, :3].T.astype(np.float64)
-                area = 0.5 * np.linalg.norm(np.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0]), axis=1)
-                power = weight[shining] * area
-                kept = np.isfinite(power) & (power > 0.0)
-                found.append((np.full(int(kept.sum()), k), shining[kept], power[kept]))
-    power = np.concatenate([f[2] for f in found]) if found else np.zeros(0)
+    found = [
+        shining
+        for k, instance in enumerate(tables.instances)
+        if instance["kind"] in (layouts.MESH, layouts.BOX) and instance["mesh"] >= 0 and (shining := _shining(tables, k)) is not None
+    ] if (tables.materials["emission_weight"] > 0.0).any() else []  # fmt: skip
+    power = np.concatenate([shining.power for shining in found]) if found else np.zeros(0)
     emitters = np.zeros(len(power), dtype=layouts.EMITTER)
     if not len(power):
         return emitters, 0.0
-    emitters["instance"], emitters["triangle"] = np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+    rows = np.concatenate([np.full(len(shining.power), shining.instance) for shining in found])
+    materials = tables.materials[np.concatenate([shining.materials for shining in found])]
+    corners = np.concatenate([shining.corners for shining in found])
+    edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(edge_u, edge_v) * np.where(tables.instances["flipped"][rows] != 0, -1.0, 1.0)[:, None]
+    emitters["instance"], emitters["triangle"] = rows, np.concatenate([shining.triangles for shining in found])
+    emitters["corner"], emitters["edge_u"], emitters["edge_v"] = corners[:, 0], edge_u, edge_v
+    emitters["normal"] = across / np.linalg.norm(across, axis=1, keepdims=True)
+    emitters["radiance"], emitters["double_sided"] = materials["emission"], materials["double_sided"]
+    emitters["weight"] = materials["emission_weight"]
+    is_even = (materials["emission_texture"] < 0) & (materials["alpha_mode"] == layouts.OPAQUE) & (materials["unlit"] == 0)
+    emitters["plain"] = is_even & (materials["kind"] != layouts.COOL_TO_WARM) & ~np.isin(rows, [] if moving is None else moving)
     total = float(power.sum())
     emitters["cumulative"] = np.cumsum(power) / total
     emitters["cumulative"][-1] = 1.0
     return emitters, total
+
+
+def _shining(tables: SceneTables, row: int) -> _Shining | None:
+    """The triangles of an instance that shine; those without area, or with none that is finite, do not."""
+    instance = tables.instances[row]
+    mesh = tables.meshes[instance["mesh"]]
+    n = int(mesh["n_triangles"])
+    slots = tables.slots[mesh["slot"] : mesh["slot"] + n] if mesh["slot"] >= 0 else np.zeros(n, dtype=np.int32)
+    materials = (instance["material"] + slots).astype(np.int64)
+    weight = tables.materials["emission_weight"][materials]
+    shining = np.flatnonzero(weight > 0.0)
+    if not len(shining):
+        return None
+    corners = tables.positions[mesh["position"] + tables.triangles[mesh["triangle"] + shining]].astype(np.float64)
+    placed = instance["world_from_object"].astype(np.float64)
+    world = corners @ placed[:, :3].T + placed[:, 3]
+    power = weight[shining] * 0.5 * np.linalg.norm(np.cross(world[:, 1] - world[:, 0], world[:, 2] - world[:, 0]), axis=1)
+    kept = np.isfinite(power) & (power > 0.0)
+    return _Shining(row, shining[kept], materials[shining[kept]], world[kept], power[kept])

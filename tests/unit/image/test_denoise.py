@@ -85,6 +85,7 @@ def test_alpha_and_the_rest_stay() -> None:
     assert made.recipe == image.recipe
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("beside", [(), ("denoising_albedo",), ("variance", "denoising_depth")])
 def test_it_does_with_what_there_is(beside: tuple[str, ...]) -> None:
     """Without any channel, or with some: finite, no brighter, less noisy where nothing is painted."""

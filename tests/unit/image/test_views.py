@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from staging import SLOW_AS_PYTHON
 
 from limner.cli import screen
 from limner.color.transfer import bytes_from_linear
@@ -101,6 +102,7 @@ def test_light_is_converted_by_a_view_on_the_command_line(tmp_path: Path) -> Non
     assert not (tmp_path / "c.exr").exists()
 
 
+@SLOW_AS_PYTHON
 def test_frames_have_views() -> None:
     """`Renderer.render` gives the bytes of any view; an Image it gives as light only."""
     with Renderer("teapot", width=16, height=12) as renderer:

@@ -90,7 +90,8 @@ _registry: dict[str, Door] = {}
 # What declares doors, when imported
 _DECLARING = (
     "limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages",
-    "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion", "limner.artistic.lines",
+    "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion", "limner.artistic.lines", "limner.image.denoise",
+    "limner.color.convert_large",
 )  # fmt: skip
 
 

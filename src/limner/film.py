@@ -46,12 +46,15 @@ class Film:
     tiles : list of Tile
     taken : (n,) int64
         Samples of each tile.
+    on_exposed : callable, optional
+        Takes a tile and the number of samples that it has just been given.
     """
 
     def __init__(self, width: int, height: int, tile_size: int) -> None:
         self.sums = np.zeros((height, width, 4), dtype=np.float32)
         self.tiles: list[Tile] = tiles_of(width, height, tile_size)
         self.taken = np.zeros(len(self.tiles), dtype=np.int64)
+        self.on_exposed: Callable[[Tile, int], None] | None = None
         self._exposed = [False] * len(self.tiles)
         self._cleared: Callable[..., None] | None = None
 
@@ -63,6 +66,8 @@ class Film:
         if work(tile, first, last) is not False:
             self._exposed[tile.number] = True
         self.taken[tile.number] = last
+        if self.on_exposed is not None:
+            self.on_exposed(tile, last - first)
 
     def restore(self, sums: NDArray[np.float32], taken: NDArray[np.int64]) -> None:
         """Go on from the sums and samples that another film of the same size and tiles had."""

@@ -19,6 +19,7 @@ import os
 import threading
 import warnings as python_warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import replace
 from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
@@ -26,10 +27,12 @@ from numpy.typing import NDArray
 
 from .accel import bvh
 from .accel.layouts import Accelerator
-from .aov import CHANNELS, channels, empty_values, with_solid_blends
+from .aov import CHANNELS, FEATURES, LIGHT, PASSES, Moments, channels, empty_values, features_of, samples_of, with_solid_blends
 from .budget import BLOCK, Budget, Spending
+from .color.views import checked_exposure, checked_view
 from .errors import LimnerWarning, RenderError, SceneError, UnsupportedError
 from .film import Film
+from .image.denoise import GUIDES, checked_denoiser, denoised
 from .image.image import Image
 from .image.recipe import Recipe
 from .image.reconstruct import FILTERS
@@ -41,6 +44,7 @@ from .raster.layouts import PER_FRAGMENT, PER_TRIANGLE, PER_VERTEX
 from .raster.memory import Memory
 from .raster.pipeline import CULLINGS
 from .raytrace import driver
+from .raytrace.light_passes import group_names, lit_by
 from .samples import pixel_samples
 from .scene.camera import Camera
 from .scene.environment import Environment
@@ -59,7 +63,7 @@ from .tiles import Cancelled, Tile, is_whole, run_all, thread_count
 __all__ = ["AOVS", "MAX_PIXELS", "MAX_SIDE", "RENDERERS", "Frame", "Renderer", "render"]
 
 RENDERERS = ("raster", "ray", "path")
-AOVS = CHANNELS
+AOVS = (*CHANNELS, *FEATURES, *LIGHT, *PASSES)
 MAX_SIDE = 32768
 MAX_PIXELS = 1 << 26
 MAX_SAMPLES = 1 << 20
@@ -67,6 +71,8 @@ _MOST_SAMPLES = {"noise": 4096, "time": 1 << 16}
 _DEFAULT_SAMPLES = {"raster": 8, "ray": 8, "path": 64}
 _TILE_SIZE = {"raster": pipeline.TILE_SIZE, "ray": 32, "path": 32}
 _SAMPLES_AT_ONCE = {"raster": 8, "ray": 8, "path": 4}
+_LEAST_PASSES = 16  # where variance is asked for
+_FEATURE_SAMPLES = 16
 
 _FREQUENCIES = {"fragment": PER_FRAGMENT, "vertex": PER_VERTEX, "flat": PER_TRIANGLE}
 _BLANK = "nothing of the scene is in the picture: the camera looks past it, or stands behind single-sided surfaces"
@@ -101,6 +107,7 @@ def render(
     threads: int | None = None,
     tile_size: int | None = None,
     aovs: Iterable[str] = (),
+    denoise: str | None = None,
     default_lights: bool = True,
     noise: float | None = None,
     time_limit: float | None = None,
@@ -172,7 +179,13 @@ def render(
     threads : int, optional
         None: all cores. The picture does not depend on it, nor on `tile_size`.
     aovs : iterable of str
-        What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel.
+        What to keep beside the picture, of `AOVS`: from one ray or sample through the centre of each pixel; what is told to denoisers,
+        as means over the pixel, and variance and samples of its light (`ray`, `path`); "direct" (light that was scattered at most once)
+        and "indirect" (the rest), and "light_groups", a channel ``light_NAME`` for each light, shining material, and the sky (`path`; each
+        costs its tracing again).
+    denoise : "filter" | "oidn", optional
+        How noise is taken out of the finished picture (`ray`, `path`): by our own filter, or by Intel's Open Image Denoise (extra
+        ``denoise``); see `limner.image.denoise`. None: not at all.
     default_lights : bool
         Whether a scene without any light gets some.
     noise : float, optional
@@ -209,7 +222,8 @@ def render(
         scene, width=width, height=height, renderer=renderer, samples=samples, seed=seed, max_depth=max_depth, shadows=shadows,
         sampler=sampler, glossy=glossy, emitters=emitters, tinted_shadows=tinted_shadows, shutter=shutter,
         time=time, animation=animation, antialiasing=antialiasing, shading=shading, hidden_surfaces=hidden_surfaces, clipping=clipping,
-        culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, default_lights=default_lights,
+        culling=culling, filter=filter, threads=threads, tile_size=tile_size, aovs=aovs, denoise=denoise,
+        default_lights=default_lights,
         noise=noise, time_limit=time_limit, checkpoint=checkpoint, checkpoint_seconds=checkpoint_seconds, resume=resume,
         on_snapshot=on_snapshot,
     ) as once:  # fmt: skip
@@ -244,6 +258,8 @@ class Frame(NamedTuple):
     memory: Memory
     work: Work
     messages: tuple[str, ...]
+    stage: driver.Stage | None
+    moments: Moments | None
 
 
 class Renderer:
@@ -252,7 +268,7 @@ class Renderer:
     Parameters
     ----------
     scene, width, height, renderer, samples, seed, max_depth, shadows, sampler, glossy, emitters, tinted_shadows, shutter, time, animation,
-    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, default_lights, noise, time_limit,
+    antialiasing, shading, hidden_surfaces, clipping, culling, filter, threads, tile_size, aovs, denoise, default_lights, noise, time_limit,
     checkpoint, checkpoint_seconds, resume, on_snapshot
         As in `render`; `refine` takes no notice of the last six.
 
@@ -294,6 +310,7 @@ class Renderer:
         threads: int | None = None,
         tile_size: int | None = None,
         aovs: Iterable[str] = (),
+        denoise: str | None = None,
         default_lights: bool = True,
         noise: float | None = None,
         time_limit: float | None = None,
@@ -334,7 +351,8 @@ class Renderer:
         self._tile_size = _TILE_SIZE[renderer] if tile_size is None else int(tile_size)
         if noise is not None:
             self._tile_size = BLOCK  # what is decided block by block must not depend on tiles
-        self._aovs = _wanted_aovs(aovs)
+        self._aovs, self._denoise = _wanted_aovs(aovs), _checked_denoiser(denoise, renderer)
+        _check_beside(self._aovs, renderer, self._samples)
         self._default_lights = bool(default_lights)
         self.slips: tuple[str, ...] = ()
         self.scene = _as_scene(scene)
@@ -381,6 +399,8 @@ class Renderer:
         camera: Camera | None = None,
         *,
         output: Literal["uint8"],
+        view: str = "standard",
+        exposure: float = 0.0,
         on_progress: OnProgress | None = None,
         cancel: threading.Event | None = None,
     ) -> NDArray[np.uint8]: ...
@@ -390,6 +410,8 @@ class Renderer:
         camera: Camera | None = None,
         *,
         output: str = "image",
+        view: str = "standard",
+        exposure: float = 0.0,
         on_progress: OnProgress | None = None,
         cancel: threading.Event | None = None,
     ) -> Image | NDArray[np.uint8]:
@@ -401,6 +423,8 @@ class Renderer:
             In place of the scene's own.
         output : "image" | "uint8"
             An Image, or (height, width, 4) uint8 as a screen wants it.
+        view, exposure
+            As for `Image.to_uint8`; an Image takes them when it is saved.
         on_progress, cancel
             As in `limner.render`.
         """
@@ -408,11 +432,16 @@ class Renderer:
             raise UnsupportedError(f'output must be "image" or "uint8", got {output!r}')
         at_once = _SAMPLES_AT_ONCE[self._renderer]
         ends = [*range(at_once, self._samples, at_once), self._samples]
-        encode = output == "uint8"
+        is_standard = checked_view(view) == "standard" and checked_exposure(exposure) == 0.0
+        if output == "image" and not is_standard:
+            raise UnsupportedError('an Image holds light as it is: give view and exposure to its save, or ask for output="uint8"')
+        encode = output == "uint8" and self._denoise is None and is_standard
         if self._budget is not None:
-            return self._within_budget(self._budget, camera, on_progress, cancel, encode=encode)
+            made = self._within_budget(self._budget, camera, on_progress, cancel, encode=encode)
+            return made.to_uint8(view, exposure) if output == "uint8" and isinstance(made, Image) else made
         with contextlib.closing(self._pictures(camera, ends, on_progress, cancel, every=False, encode=encode)) as pictures:
-            return next(pictures)
+            made = next(pictures)
+        return made.to_uint8(view, exposure) if output == "uint8" and not encode else made
 
     @property
     def _is_open(self) -> bool:
@@ -437,7 +466,9 @@ class Renderer:
 
         try:
             on_kept = None if self._on_snapshot is None else snapshot
-            spending.passes(_SAMPLES_AT_ONCE[self._renderer], self._threads, meter.report, cancel, on_kept)
+            if frame.moments is not None:
+                frame.moments.begin()  # after what a checkpoint has restored
+            spending.passes(self._step(frame), self._threads, meter.report, cancel, on_kept)
             extra = {} if encode else self._channels(frame)
         except (Cancelled, KeyboardInterrupt):
             finished, extra = False, {}
@@ -446,7 +477,8 @@ class Renderer:
             return encoded
         pixels, self.slips = film.developed(self._threads)
         # Where noise decides, many were allowed, and only time can have made them fewer.
-        return self._image(frame, pixels, extra, finished=finished, samples=self._reached(spending, finished))
+        image = self._image(frame, pixels, extra, finished=finished, samples=self._reached(spending, finished))
+        return self._cleaned(image) if finished and self._denoise is not None else image
 
     def _reached(self, spending: Spending, finished: bool) -> int | None:
         """How many samples have to be asked for to make the same picture again, if any number does."""
@@ -515,6 +547,8 @@ class Renderer:
                 self.slips = film.slips(bad)
                 picture = pixels if encode else self._image(frame, pixels, extra, finished=True)
                 if last == ends[-1]:
+                    if isinstance(picture, Image) and self._denoise is not None:
+                        picture = self._cleaned(picture)
                     self._spare = film, frame.memory
                 yield picture
             first = last
@@ -529,7 +563,7 @@ class Renderer:
         develop: Callable[[Tile], None] | None,
     ) -> None:
         """Add samples first..last to every tile, a few at a time, so that a stop is soon heard; then develop it, while it is at hand."""
-        step = _SAMPLES_AT_ONCE[self._renderer]
+        step = self._step(frame)
         for start in range(first, last, step):
             end = min(start + step, last)
 
@@ -542,6 +576,11 @@ class Renderer:
                 meter.report((start + part * (end - start)) / self._samples)
 
             run_all(expose, frame.film.tiles, self._threads, report, cancel)
+
+    def _step(self, frame: Frame) -> int:
+        """Samples of a pass: few enough for a stop to be soon heard, and for what a variance is made of."""
+        step = _SAMPLES_AT_ONCE[self._renderer]
+        return step if frame.moments is None else max(1, min(step, self._samples // _LEAST_PASSES))
 
     def _prepared(self, camera: Camera | None) -> Frame:
         if camera is not None and not isinstance(camera, Camera):
@@ -563,6 +602,7 @@ class Renderer:
         light, background = self._lighting(scene, built, None if moved is None else moved.moving), _background(scene)
         notes: list[str] = []
         work: Work
+        stage: driver.Stage | None = None
         if moved is None:
             notes.extend(_left_out(scene))
             places, weights = filtered_samples(self._samples, self._filter)
@@ -576,7 +616,20 @@ class Renderer:
             stage = driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, background)
             prepare = driver.prepare if self._renderer == "ray" else driver.prepare_paths
             work = prepare(stage, self._settings(), film.sums)
-        return Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes))
+        moments = Moments(film.sums, len(film.tiles)) if "variance" in self._beside() else None
+        film.on_exposed = None if moments is None else moments.add
+        return Frame(scene, scene.camera, built, seen, film, memory, work, (*messages, *notes), stage, moments)
+
+    def _beside(self) -> tuple[str, ...]:
+        """The channels that are asked for, and those that a denoiser needs."""
+        needed = GUIDES if self._denoise is not None else ()
+        return (*self._aovs, *(name for name in needed if name not in self._aovs and (name != "variance" or self._samples > 1)))
+
+    def _cleaned(self, image: Image) -> Image:
+        """The picture without noise, and without what was beside it for that alone."""
+        assert self._denoise is not None
+        made = denoised(image, self._denoise, threads=self._threads)
+        return replace(made, aov={name: values for name, values in made.aov.items() if name in self._aovs or name.startswith("light_")})
 
     def _scene_of_the_moment(self) -> Scene:
         """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
@@ -619,7 +672,54 @@ class Renderer:
         return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2], moving)
 
     def _channels(self, frame: Frame) -> dict[str, NDArray[Any]]:
-        if not self._aovs:
+        beside = self._beside()
+        return {
+            **self._centre_channels(frame), **self._features(frame, beside), **self._light_channels(frame, beside), **self._passes(frame)
+        }  # fmt: skip
+
+    def _passes(self, frame: Frame) -> dict[str, NDArray[Any]]:
+        """The picture's light in parts, as straight colour."""
+        made: dict[str, NDArray[Any]] = {}
+        wanted, stage = set(self._aovs) & set(PASSES), frame.stage
+        if not wanted or stage is None:
+            return made
+        settings = self._settings()
+        if wanted & {"direct", "indirect"}:
+            whole, _ = frame.film.developed(self._threads)
+            direct = self._part(frame.film, stage, settings._replace(max_depth=min(settings.max_depth, 1)))
+            made |= {"direct": direct, "indirect": whole[..., :3] - direct}
+        if "light_groups" in wanted:
+            for name in group_names(stage, frame.scene):
+                made[f"light_{name}"] = self._part(frame.film, lit_by(stage, frame.scene, name), settings)
+        return {name: values for name, values in made.items() if name in wanted or name.startswith("light_")}
+
+    def _part(self, whole: Film, stage: driver.Stage, settings: driver.Settings) -> NDArray[np.float32]:
+        """(height, width, 3) float32: the picture of a stage by the samples that the whole picture has taken."""
+        film = Film(self._width, self._height, self._tile_size)
+        work = driver.prepare_paths(stage, settings, film.sums)
+        run_all(lambda tile: film.expose(tile, work, 0, int(whole.taken[tile.number])), film.tiles, self._threads)
+        return np.ascontiguousarray(film.developed(self._threads)[0][..., :3])
+
+    def _features(self, frame: Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """What denoisers are told."""
+        if frame.stage is None or not set(FEATURES) & set(beside):
+            return {}
+        values = np.zeros((self._height, self._width, 7), dtype=np.float32)
+        places = pixel_samples(min(self._samples, _FEATURE_SAMPLES))
+        driver.draw_features(frame.stage, values, places, self._seed, threads=self._threads, tile_size=self._tile_size)
+        return {name: channel for name, channel in features_of(values).items() if name in beside}
+
+    def _light_channels(self, frame: Frame, beside: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """How sure the picture is of itself."""
+        made: dict[str, NDArray[Any]] = {}
+        if frame.moments is not None:
+            made["variance"] = frame.moments.variance(frame.film.taken)
+        if "samples" in beside:
+            made["samples"] = samples_of(frame.film.tiles, frame.film.taken)
+        return made
+
+    def _centre_channels(self, frame: Frame) -> dict[str, NDArray[Any]]:
+        if not set(self._aovs) & set(CHANNELS):
             return {}
         values, ids = empty_values(self._width, self._height)
         tables = with_solid_blends(frame.built.tables)
@@ -666,6 +766,7 @@ class Renderer:
             "clipping": self._clipping,
             "culling": self._culling,
             "filter": self._filter,
+            "denoise": self._denoise,
             "default_lights": self._default_lights,
             "camera": _plain(frame.camera),
         }
@@ -803,6 +904,26 @@ def _wanted_aovs(aovs: Iterable[str]) -> tuple[str, ...]:
         if name not in AOVS:
             raise UnsupportedError(f"aov must be one of {', '.join(AOVS)}, got {name!r}")
     return wanted
+
+
+def _checked_denoiser(denoise: str | None, renderer: str) -> str | None:
+    if denoise is None:
+        return None
+    if renderer == "raster":
+        raise UnsupportedError("raster makes no noise to take out; ray and path can have denoise")
+    return checked_denoiser(denoise)
+
+
+def _check_beside(aovs: tuple[str, ...], renderer: str, samples: int) -> None:
+    """Refuse channels that a renderer does not have."""
+    beyond = [name for name in aovs if name in FEATURES or name in LIGHT]
+    if beyond and renderer == "raster":
+        raise UnsupportedError(f"raster has no channel {beyond[0]}; ray and path have")
+    parts = [name for name in aovs if name in PASSES]
+    if parts and renderer != "path":
+        raise UnsupportedError(f"{renderer} has no channel {parts[0]}; path has")
+    if "variance" in beyond and samples < 2:
+        raise SceneError(f"the channel variance needs 2 samples or more, got {samples}")
 
 
 def _as_scene(thing: Any) -> Scene:

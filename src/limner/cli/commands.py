@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from .. import __version__
+from .chart import CHARTS
 from .curve import FRACTALS, KINDS
 from .doctor import doctor
 from .draw import KINDS as LINE_KINDS
@@ -14,6 +15,7 @@ from .draw import LINE_STYLES, PICTURE_STYLES
 from .explain import explain
 from .mesh import mesh
 from .schema import schema
+from .screen import screen as _screen
 from .talk import Talk
 from .values import BACKGROUND, INTERVAL, TRIPLE, WORDS, Background, Triple
 from .voice import voice as _voice
@@ -120,6 +122,10 @@ limner.add_command(schema)
     "--shutter", type=INTERVAL, metavar="S,S", help="When the shutter opens and closes, seconds: what moves is blurred (ray, path).",
 )  # fmt: skip
 @click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
+@click.option(
+    "--denoise", type=click.Choice(["filter", "oidn"]),
+    help="Take the noise out (ray, path): our filter, or Open Image Denoise (extra denoise).  [default: it stays]",
+)  # fmt: skip
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
 @click.option("--model-up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Which axis of the model's file points up.")
@@ -132,9 +138,13 @@ limner.add_command(schema)
 )  # fmt: skip
 @click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--transparent", is_flag=True, help="The same as --background transparent.")
+@click.option(
+    "--color-space", default="srgb", show_default=True, metavar="SPACE", help="Whose numbers are written: display_p3, rec2020, acescg, …",
+)  # fmt: skip
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_context
 def render(context: click.Context, /, **options: Any) -> None:
@@ -313,6 +323,7 @@ def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_
 )  # fmt: skip
 @click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
 @click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
+@_screen
 @_voice
 @click.pass_obj
 def convert(talk: Talk, /, **options: Any) -> None:
@@ -357,6 +368,7 @@ def convert(talk: Talk, /, **options: Any) -> None:
 @click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def turntable(talk: Talk, /, **options: Any) -> None:
@@ -403,6 +415,7 @@ def turntable(talk: Talk, /, **options: Any) -> None:
 @click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def animate(talk: Talk, /, **options: Any) -> None:
@@ -624,6 +637,44 @@ def curve(talk: Talk, /, **options: Any) -> None:
     draw_curve(order, talk)
 
 
+@limner.command(short_help="Draw a chart of colour: gamuts, observers, lamps, a screen's gamma.")
+@click.argument("kind", type=click.Choice(CHARTS), metavar="KIND")
+@click.option("-o", "--output", metavar="OUT", help="The picture file, or .svg for vectors; may be left out with --grey.")
+@click.option("--gamuts", type=WORDS, default="srgb,display_p3,rec2020", show_default=True, help="Spaces to draw (chromaticity).")
+@click.option("--plane", type=click.Choice(["xy", "uv"]), default="xy", show_default=True, help="CIE 1931 or 1976 (chromaticity).")
+@click.option("--points", metavar='"X,Y X,Y …"', help="Colours to mark, by x and y (chromaticity).")
+@click.option(
+    "--lights", type=WORDS, default="A,C,D50,D65,E", show_default=True, help="Names, or kelvin as in 3200 (illuminants).",
+)  # fmt: skip
+@click.option(
+    "--observer", type=click.Choice(["cie_1931_2", "cie_1964_10"]), default="cie_1931_2", show_default=True,
+    help="2 or 10 degrees (chromaticity, matching).",
+)  # fmt: skip
+@click.option("--grey", type=float, metavar="CODE", help="The code, 0 to 255, that was as bright as the board: tells gamma (gamma).")
+@click.option("--width", type=click.IntRange(200, MAX_SIDE), default=960, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(200, MAX_SIDE), default=720, show_default=True, help="Rows.")
+@_voice
+@click.pass_obj
+def chart(talk: Talk, /, **options: Any) -> None:
+    """Draw a chart of KIND: chromaticity, matching, rgb-matching, cones, illuminants, metamers, metals, checker, banding, gamma.
+
+    \b
+        limner chart chromaticity -o gamuts.svg --gamuts srgb,rec2020,acescg --plane uv
+        limner chart illuminants -o lamps.png --lights A,D65,3200
+        limner chart gamma -o gamma.png          look at it pixel by pixel, from afar; then
+        limner chart gamma --grey 186            gamma 2.20
+    """
+    from .chart import Order, draw_chart
+
+    order = Order(**options)
+    if order.grey is not None and order.kind != "gamma":
+        raise click.UsageError("--grey is the answer to the chart gamma")
+    if order.output is None and order.grey is None:
+        raise click.UsageError("nothing was asked for: give -o" + (", --grey or both" if order.kind == "gamma" else ""))
+    _check_size(order.width, order.height)
+    draw_chart(order, talk)
+
+
 @limner.command(short_help="Make a picture of every model in a folder.")
 @click.argument("folder")
 @click.option("-o", "--output", required=True, metavar="FOLDER", help="For the pictures; is made where it is not there.")
@@ -636,6 +687,7 @@ def curve(talk: Talk, /, **options: Any) -> None:
 @click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell what became of each model as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def thumbnails(talk: Talk, /, **options: Any) -> None:

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FileFormatError, UnsupportedError
+from ..image.formats import is_light
 from .limits import Limits
 
 __all__ = ["Exr", "opened", "read_exr"]
 
 _ORDERS = ("RGBA", "XYZW", "UV")
-_IDS = ("instance_id", "material_id", "triangle_id")
+_WHOLE = ("instance_id", "material_id", "triangle_id", "samples")
 
 
 class Exr(NamedTuple):
@@ -58,7 +59,15 @@ def read_exr(path: str | os.PathLike[str], limits: Limits) -> Exr:
     extra = {suffix: color[suffix] for suffix in color if suffix not in ("R", "G", "B", "A", "Y", "RY", "BY")}
     aov = {name: _stacked(name, channels) for name, channels in layers.items()}
     aov.update({name: values for name, values in extra.items() if name not in aov})
-    return Exr(pixels, {name: values for name, values in aov.items() if values.shape[:2] == pixels.shape[:2]}, header)
+    fitting = {name: values for name, values in aov.items() if values.shape[:2] == pixels.shape[:2]}
+    return Exr(pixels, {name: _as_the_picture(name, values, pixels[..., 3:]) for name, values in fitting.items()}, header)
+
+
+def _as_the_picture(name: str, values: NDArray[Any], alpha: NDArray[np.float32]) -> NDArray[Any]:
+    """A part of the picture's light with straight alpha, as the picture has; other layers as they are."""
+    if not is_light(name) or values.ndim != 3:
+        return values
+    return np.asarray(values / np.where(alpha > 0.0, alpha, np.float32(1.0)), dtype=np.float32)
 
 
 def _check_size(path: str | os.PathLike[str], limits: Limits) -> None:
@@ -97,11 +106,11 @@ def _straight(color: dict[str, NDArray[Any]]) -> NDArray[np.float32]:
 
 
 def _stacked(name: str, channels: dict[str, NDArray[Any]]) -> NDArray[Any]:
-    """One array of a layer's channels, in their usual order; ids as the integers that they are."""
+    """One array of a layer's channels, in their usual order; ids and counts as the integers that they are."""
     order = next((order for order in _ORDERS if set(channels) <= set(order)), "".join(sorted(channels)))
     planes = [channels[suffix] for suffix in order if suffix in channels] if set(channels) <= set(order) else [*channels.values()]
     if any(plane.shape != planes[0].shape for plane in planes):
         return planes[0]
     values = planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
-    whole = name in _IDS and np.isfinite(values).all()
+    whole = name in _WHOLE and np.isfinite(values).all()
     return np.rint(values).astype(np.int32) if whole else values

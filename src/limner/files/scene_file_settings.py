@@ -36,4 +36,5 @@ class Settings:
     culling: Literal["material", "back", "front", "none"] | None = None
     filter: Literal["box", "tent", "gaussian", "mitchell", "lanczos3"] | None = None
     aovs: tuple[str, ...] | None = None
+    denoise: Literal["filter", "oidn"] | None = None
     default_lights: bool | None = None

@@ -1,4 +1,4 @@
-"""The doors of the ray tracers: Whitted's (`ray`), the path tracer (`path`), and the channels beside the picture."""
+"""The doors of the ray tracers: Whitted's (`ray`), the path tracer (`path`), the channels beside the picture, what denoisers are told."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..tables.build import View
 from ..tables.layouts import INSTANTS_ARRAYS, LIGHTING_ARRAYS, SCENE_ARRAYS, Instants, Lighting, SceneTables
 from ..tiles import PerThread, Tile, run_all, tiles_of
 
-__all__ = ["Settings", "Stage", "draw_channels", "prepare", "prepare_paths"]
+__all__ = ["Settings", "Stage", "draw_channels", "draw_features", "prepare", "prepare_paths"]
 
 MAX_PENDING = 64  # rays of one tree that wait
 _I64 = Scalar(np.int64)
@@ -69,6 +69,17 @@ _TRACE_AOV = _Doors(
         Array(np.float32, 3), Array(np.int32, 3), _I64, _I64, _I64, _I64, _I64,
     ),
     "the ray renderer's channels",
+)  # fmt: skip
+
+
+_TRACE_FEATURES = _Doors(
+    "limner.raytrace.features_tile",
+    "feature_tile",
+    (
+        *SCENE_ARRAYS, *ACCELERATOR_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 3), *INSTANTS_ARRAYS, Array(np.int32, 2), _I64,
+        Array(np.int32, 1), _ENDS, Array(np.float32, 3), _I64, _I64, _I64, _I64, _I64,
+    ),
+    "what denoisers are told",
 )  # fmt: skip
 
 
@@ -233,3 +244,34 @@ def draw_channels(
         tiles_of(width, height, tile_size),
         threads,
     )
+
+
+def draw_features(
+    stage: Stage, features: NDArray[np.float32], places: NDArray[np.int32], seed: int, *, threads: int, tile_size: int
+) -> None:
+    """Fill what a denoiser is told (`limner.raytrace.features_tile`).
+
+    Parameters
+    ----------
+    stage : Stage
+    features : (height, width, 7) float32
+        Row 0 at the bottom.
+    places : (n, 2) int32
+        The rays of every pixel, relative to its centre, in 1/256 pixel.
+    seed : int
+        For lens and time.
+    """
+    height, width = features.shape[:2]
+    needs_exact = stage.needs_exact()
+
+    def bound() -> Callable[..., None]:
+        tables, view = stage.tables, stage.view
+        if len(stage.instants.cameras):  # what moves is moved in copies
+            tables, view = tables._replace(instances=tables.instances.copy()), view._replace(camera=view.camera.copy())
+        scratch = _Scratch(needs_exact)
+        return _TRACE_FEATURES.serving(needs_exact).bind(
+            *tables, *stage.tree, *view, *stage.instants, places, seed, *scratch.walk, features
+        )
+
+    kernel = PerThread(bound)
+    run_all(lambda tile: kernel.value(*tile), tiles_of(width, height, tile_size), threads)

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError, UnsupportedError
 from .map_tables import TABLES
 from .transfer import linear_from_srgb, srgb_from_linear
+from .uniform import lab_from_xyz, xyz_from_lab
 
 __all__ = ["COLOR_MAPS", "DEFAULT_MAP", "NAN_COLOR", "Range", "checked_map", "checked_range", "encoded_map", "mapped"]
 
@@ -167,17 +168,13 @@ def _cool_warm(share: Floats) -> Floats:
     magnitude, saturation, hue = np.where(at < 0.5, below, above).T
     lightness = magnitude * np.cos(saturation)
     a, b = magnitude * np.sin(saturation) * np.cos(hue), magnitude * np.sin(saturation) * np.sin(hue)
-    f_y = (lightness + 16.0) / 116.0
-    f = np.stack([f_y + a / 500.0, f_y, f_y - b / 200.0], axis=1)
-    xyz = _WHITE * np.where(f > 6.0 / 29.0, f**3, 3.0 * (6.0 / 29.0) ** 2 * (f - 4.0 / 29.0))
+    xyz = xyz_from_lab(np.column_stack([lightness, a, b]), _WHITE)
     return srgb_from_linear(xyz @ np.linalg.inv(_XYZ_FROM_RGB).T)
 
 
 def _polar(encoded: Floats) -> Floats:
     """(3,): magnitude, saturation and hue of a colour."""
-    ratio = _XYZ_FROM_RGB @ linear_from_srgb(encoded) / _WHITE
-    f = np.where(ratio > (6.0 / 29.0) ** 3, np.cbrt(ratio), ratio / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0)
-    lightness, a, b = 116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])
+    lightness, a, b = lab_from_xyz(_XYZ_FROM_RGB @ linear_from_srgb(encoded), _WHITE).tolist()
     magnitude = math.sqrt(lightness**2 + a**2 + b**2)
     return np.array([magnitude, math.acos(lightness / magnitude), math.atan2(b, a)])
 

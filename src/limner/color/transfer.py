@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 
 __all__ = [
-    "SrgbCodes", "bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "linear_from_gamma", "linear_from_srgb", "srgb_codes",
-    "srgb_from_linear",
+    "SrgbCodes", "bytes_from_linear", "bytes_from_unit", "gamma_from_linear", "gamma_from_match", "linear_from_gamma", "linear_from_srgb",
+    "srgb_codes", "srgb_from_linear",
 ]  # fmt: skip
 
 _DROPPED_BITS = 12  # of 23 in a float32's fraction: at most one change of code in a bucket of what shares the rest
@@ -96,6 +96,35 @@ def gamma_from_linear(linear: ArrayLike, gamma: float) -> NDArray[np.float64]:
     [0.0, 0.5, 1.0]
     """
     return np.power(np.clip(np.asarray(linear, dtype=np.float64), 0.0, 1.0), 1.0 / _checked_gamma(gamma))
+
+
+def gamma_from_match(grey: ArrayLike, share: float = 0.5) -> NDArray[np.float64]:
+    """The gamma of a display, from the grey that looks as bright on it as a fine checkerboard of black and white.
+
+    From afar the board is half of the greatest intensity, whatever the display does to numbers in between; the grey is ``a^gamma`` of it.
+
+    Parameters
+    ----------
+    grey : (...) float in (0, 1)
+        The stored number that matches, as a share of the greatest code.
+    share : float in (0, 1)
+        How much of the board is white.
+
+    Returns
+    -------
+    (...) float64: ``ln(share) / ln(grey)``.
+
+    >>> gamma_from_match(186 / 255).round(2).item()
+    2.2
+
+    **Source**: FoCG 3.2.2, gamma = ln 0.5 / ln a.
+    """
+    a = np.asarray(grey, dtype=np.float64)
+    if not ((a > 0.0) & (a < 1.0)).all():
+        raise SceneError(f"grey must lie between 0 and 1, both left out: it is the code that matches over the greatest; got {grey!r}")
+    if not 0.0 < share < 1.0:
+        raise SceneError(f"share must lie between 0 and 1, got {share!r}")
+    return np.asarray(np.log(share) / np.log(a))
 
 
 def _checked_gamma(gamma: float) -> float:

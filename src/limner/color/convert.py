@@ -172,10 +172,13 @@ def _between_lamps(
     given: NDArray[Any], of: tuple[Space, Encoding], to: tuple[Space, Encoding], adaptation: str, out: NDArray[Any] | None
 ) -> NDArray[Any]:
     matrix, decode, encode = rgb_from_rgb(to[0], of[0], adaptation), of[1], to[1]
-    if np.array_equal(matrix, np.eye(3)) and decode.name == encode.name:
+    is_mixed = not np.array_equal(matrix, np.eye(3))
+    if not is_mixed and decode.name == encode.name:
         return given.copy()
     if given.dtype == np.float32 and given.size >= _LEAST_FOR_KERNEL and decode.curve and encode.curve:
         return _by_kernel(given, matrix, decode, encode, out)
+    if not is_mixed:
+        return in_pieces(lambda rows: encode.encode(decode.decode(rows)), given)
     return in_pieces(lambda rows: encode.encode(decode.decode(rows) @ matrix.T), given)
 
 

@@ -110,7 +110,7 @@ _KNOWN = (
     Space("rec2100_pq", "Rec. 2100 PQ", *_REC2020, _D65, "pq"),
     Space("rec2100_hlg", "Rec. 2100 HLG", *_REC2020, _D65, "hlg"),
     Space("adobe_rgb", "Adobe RGB", (0.64, 0.33), (0.21, 0.71), (0.15, 0.06), _D65, "adobe"),
-    Space("prophoto", "ProPhoto", (0.734699, 0.265301), (0.159597, 0.840403), (0.036598, 0.000105), _D50, "romm"),
+    Space("prophoto", "ProPhoto", (0.7347, 0.2653), (0.1596, 0.8404), (0.0366, 0.0001), _D50, "romm"),
     Space("acescg", "ACEScg", (0.713, 0.293), (0.165, 0.830), (0.128, 0.044), _ACES, "linear"),
     Space("aces2065_1", "ACES2065-1", (0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.077), _ACES, "linear"),
     Space(

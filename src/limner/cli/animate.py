@@ -35,6 +35,8 @@ class Order:
     quality: int | None
     threads: int | None
     as_json: bool
+    view: str
+    exposure: float
 
     eye = target = up = yfov = None
 
@@ -58,6 +60,8 @@ def make_animation(order: Order, talk: Talk) -> None:
             shutter=order.shutter,
             camera=chosen_camera(order, scene),
             quality=order.quality,
+            view=order.view,
+            exposure=order.exposure,
             width=order.width,
             height=order.height,
             renderer=order.renderer,

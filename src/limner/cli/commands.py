@@ -10,6 +10,7 @@ from .. import __version__
 from .curve import FRACTALS, KINDS
 from .mesh import mesh
 from .schema import schema
+from .screen import screen as _screen
 from .talk import Talk
 from .values import BACKGROUND, INTERVAL, TRIPLE, WORDS, Background, Triple
 from .voice import voice as _voice
@@ -111,6 +112,7 @@ limner.add_command(schema)
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_context
 def render(context: click.Context, /, **options: Any) -> None:
@@ -278,6 +280,7 @@ def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_
 )  # fmt: skip
 @click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
 @click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
+@_screen
 @_voice
 @click.pass_obj
 def convert(talk: Talk, /, **options: Any) -> None:
@@ -322,6 +325,7 @@ def convert(talk: Talk, /, **options: Any) -> None:
 @click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def turntable(talk: Talk, /, **options: Any) -> None:
@@ -368,6 +372,7 @@ def turntable(talk: Talk, /, **options: Any) -> None:
 @click.option("--quality", type=click.IntRange(1, 100), help="Of WebP and MP4.  [default: WebP without loss, MP4 as good as it looks]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def animate(talk: Talk, /, **options: Any) -> None:
@@ -547,6 +552,7 @@ def curve(talk: Talk, /, **options: Any) -> None:
 @click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell what became of each model as JSON on standard output.")
+@_screen
 @_voice
 @click.pass_obj
 def thumbnails(talk: Talk, /, **options: Any) -> None:

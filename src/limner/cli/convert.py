@@ -37,6 +37,8 @@ class Order:
     halftone: float | None
     angle: float
     shape: str
+    view: str = "standard"
+    exposure: float = 0.0
 
 
 def convert(order: Order, talk: Talk) -> None:
@@ -47,7 +49,7 @@ def convert(order: Order, talk: Talk) -> None:
     from ..image.save import check_destination, keeps_aovs
 
     try:
-        check_destination(order.output)
+        check_destination(order.output, view=order.view, exposure=order.exposure)
     except LimnerError as error:
         raise click.UsageError(str(error)) from error
     from dataclasses import replace
@@ -60,13 +62,13 @@ def convert(order: Order, talk: Talk) -> None:
     beside = sorted(image.aov)
     if order.width is not None or order.height is not None:
         image = image.resized(*_size(order, image), order.filter)
-    bits = order.bits
+    bits, view, exposure = order.bits, order.view, order.exposure
     if order.halftone is not None:
-        image = _screened(order, image)
+        image, view, exposure = _screened(order, image.viewed(view, exposure)), "standard", 0.0
         bits = bits or (1 if order.output.lower().endswith(".png") or order.output == "-" else None)
     if beside and not (image.aov and keeps_aovs(order.output)):
         talk.say("note", f"what lies beside the picture is left out: {', '.join(beside)}")
-    image.save(order.output, bits=bits, dither=order.dither, dpi=order.dpi, seed=order.seed)
+    image.save(order.output, bits=bits, dither=order.dither, dpi=order.dpi, seed=order.seed, view=view, exposure=exposure)
     dpi = order.dpi or image.dpi
     if dpi is not None:
         width, height = image.print_size(dpi)

@@ -92,6 +92,8 @@ class Order:
     background: Background | None
     threads: int | None
     as_json: bool
+    view: str = "standard"
+    exposure: float = 0.0
     further: dict[str, Any] = field(default_factory=dict)
     report: bool = False
 
@@ -159,7 +161,7 @@ def make_picture(order: Order, talk: Talk) -> None:
         from ..draw.color_bar import with_color_bar
 
         image = with_color_bar(image, key)
-    image.save(order.output)
+    image.save(order.output, view=order.view, exposure=order.exposure)
     saved = time.perf_counter()
 
     seconds = {"load": loaded - started, "render": rendered - loaded, "save": saved - rendered}
@@ -252,7 +254,7 @@ def _check_output(order: Order) -> None:
     from ..image.save import check_destination, keeps_aovs
 
     try:
-        check_destination(order.output)
+        check_destination(order.output, view=order.view, exposure=order.exposure)
     except LimnerError as error:
         raise click.UsageError(str(error)) from error
     if order.aovs and not keeps_aovs(order.output):

@@ -34,6 +34,8 @@ class Order:
     background: Background | None
     threads: int | None
     as_json: bool
+    view: str
+    exposure: float
 
 
 def make_thumbnails(order: Order, talk: Talk) -> None:
@@ -59,6 +61,8 @@ def make_thumbnails(order: Order, talk: Talk) -> None:
             update=order.update,
             renderer=order.renderer,
             samples=order.samples,
+            view=order.view,
+            exposure=order.exposure,
             background=None if order.background == "transparent" else order.background,
             threads=order.threads,
             on_progress=bar,

@@ -35,6 +35,8 @@ class Order:
     quality: int | None
     threads: int | None
     as_json: bool
+    view: str
+    exposure: float
 
 
 def make_turntable(order: Order, talk: Talk) -> None:
@@ -51,6 +53,8 @@ def make_turntable(order: Order, talk: Talk) -> None:
             order.frames,
             fps=order.fps,
             quality=order.quality,
+            view=order.view,
+            exposure=order.exposure,
             elevation_degrees=order.elevation,
             azimuth_degrees=order.azimuth,
             yfov_degrees=order.yfov,

@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..color.transfer import bytes_from_linear, srgb_from_linear
+from ..color.transfer import bytes_from_linear, bytes_from_unit, srgb_from_linear
+from ..color.views import checked_exposure, checked_view
 from ..errors import UnsupportedError
 from .png import png_bytes
 from .recipe import KEYWORD, recipe_text
@@ -50,6 +51,8 @@ class Options(NamedTuple):
     dpi: float | None = None
     seed: int = 0
     parts: bool = False
+    view: str = "standard"
+    exposure: float = 0.0
 
 
 class Format(NamedTuple):
@@ -86,6 +89,9 @@ def checked_options(kind: Format, given: Options, image_dpi: float | None) -> Op
             raise UnsupportedError(f"dither must be one of {', '.join(DITHERS)} or None, got {given.dither!r}")
     if given.parts and not kind.keeps_parts:
         raise UnsupportedError(f"{kind.name} has no parts; EXR has")
+    view, exposure = checked_view(given.view), checked_exposure(given.exposure)
+    if not kind.dithers and (view != "standard" or exposure != 0.0):
+        raise UnsupportedError(f"{kind.name} holds light as it is: view and exposure are for screens, as in PNG, JPEG, WebP and TIFF")
     dpi = image_dpi
     if given.dpi is not None:
         from .hardcopy import checked_dpi
@@ -93,7 +99,7 @@ def checked_options(kind: Format, given: Options, image_dpi: float | None) -> Op
         dpi = checked_dpi(given.dpi)
         if not kind.keeps_dpi:
             raise UnsupportedError(f"{kind.name} has no place for dots per inch; PNG, JPEG, TIFF and EXR have")
-    return Options(bits, given.dither, dpi, given.seed, given.parts)
+    return Options(bits, given.dither, dpi, given.seed, given.parts, view, exposure)
 
 
 def _recipe(image: Image, options: Options) -> str:
@@ -112,11 +118,12 @@ def _recipe(image: Image, options: Options) -> str:
 def _encoded(image: Image, options: Options) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """(height, width, 4): sRGB-encoded colour, straight alpha, in as many bits as asked for."""
     if options.bits == 8 and options.dither is None:
-        return image.to_uint8()
+        return image.to_uint8(options.view, options.exposure)
     from .quantize import quantize
 
     bits = options.bits or 8
-    color = quantize(srgb_from_linear(image.pixels[..., :3]), bits, options.dither, options.seed)
+    seen = image.viewed(options.view, options.exposure).pixels[..., :3]
+    color = quantize(seen if options.view == "none" else srgb_from_linear(seen), bits, options.dither, options.seed)
     return np.concatenate([color, quantize(image.pixels[..., 3:], bits)], axis=2)
 
 
@@ -124,7 +131,7 @@ def _black_and_white(image: Image, options: Options) -> NDArray[np.bool_]:
     """(height, width): paper or ink, over white; luminance is linear, so that what is dithered is as bright as it was."""
     from .quantize import quantize
 
-    return quantize(luminance_over_white(image), 1, options.dither, options.seed).astype(bool)
+    return quantize(luminance_over_white(image.viewed(options.view, options.exposure)), 1, options.dither, options.seed).astype(bool)
 
 
 def luminance_over_white(image: Image) -> NDArray[np.float32]:
@@ -163,13 +170,14 @@ def _dpi_pair(options: Options) -> tuple[float, float] | None:
 
 
 def _write_jpeg(image: Image, path: Path, options: Options) -> None:
-    over_white = _over_white(image)
+    over_white = _over_white(image.viewed(options.view, options.exposure))
     if options.dither is None:
-        encoded = bytes_from_linear(over_white)
+        encoded = bytes_from_unit(over_white) if options.view == "none" else bytes_from_linear(over_white)
     else:
         from .quantize import quantize
 
-        encoded = quantize(srgb_from_linear(over_white), 8, options.dither, options.seed).astype(np.uint8)
+        codes = over_white if options.view == "none" else srgb_from_linear(over_white)
+        encoded = quantize(codes, 8, options.dither, options.seed).astype(np.uint8)
     comment = _recipe(image, options).encode()[:65000]
     _write_pillow(image, encoded, path, "JPEG", quality=95, subsampling=0, comment=comment, dpi=_dpi_pair(options))
 

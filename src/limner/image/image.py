@@ -16,18 +16,18 @@ from __future__ import annotations
 import importlib
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from ..color.transfer import bytes_from_linear, bytes_from_unit
+from ..color.views import VIEWS, screen_light
 from ..errors import SceneError, UnsupportedError
 
 __all__ = ["DEPTHS", "VIEWS", "Image", "straight"]
 
-VIEWS = ("standard",)
 _INVISIBLE = 1e-4  # an alpha below which a colour would be a filter's ringing divided by nearly nothing
 DEPTHS = ("blender", "open3d", "pyrender", "pyvista")
 
@@ -173,19 +173,31 @@ class Image:
             raise SceneError("print_size needs the number of pixels per inch: the picture has none of its own")
         return print_size(self.width, self.height, self.dpi if dpi is None else dpi)  # type: ignore[arg-type]
 
-    def to_uint8(self, view: str = "standard") -> NDArray[np.uint8]:
+    def to_uint8(self, view: str = "standard", exposure: float = 0.0) -> NDArray[np.uint8]:
         """(height, width, 4) uint8 for a screen: sRGB-encoded colour, straight alpha.
 
         Parameters
         ----------
-        view : "standard"
-            How light becomes colour on a screen: the sRGB curve alone. What is brighter than 1 is clipped.
+        view : str
+            How light becomes colour on a screen, of `limner.color.views.VIEWS`: "standard", the sRGB curve alone, with what is brighter
+            than 1 cut off; a tone curve before it; or "none", the numbers themselves.
+        exposure : float
+            Stops by which the light is made brighter first.
         """
-        if view not in VIEWS:
-            raise UnsupportedError(f"view must be one of {', '.join(VIEWS)}, got {view!r}")
-        encoded = bytes_from_linear(self.pixels)
+        seen = screen_light(self.pixels, view, exposure)
+        if view == "none":
+            return bytes_from_unit(seen)
+        encoded = bytes_from_linear(seen)
         encoded[..., 3] = bytes_from_unit(self.pixels[..., 3])
         return encoded
+
+    def viewed(self, view: str = "standard", exposure: float = 0.0) -> Image:
+        """The light that a screen is to emit for this picture, as a picture: what `to_uint8` encodes (`limner.color.views`).
+
+        The views "none" and "standard" change nothing but for the exposure. What lies beside the picture stays.
+        """
+        seen = screen_light(self.pixels, view, exposure)
+        return self if seen is self.pixels else replace(self, pixels=seen)
 
     def depth_as(self, convention: str) -> NDArray[np.float32]:
         """The channel `depth` as another renderer would have handed it over.
@@ -224,6 +236,8 @@ class Image:
         dpi: float | None = None,
         seed: int = 0,
         parts: bool = False,
+        view: str = "standard",
+        exposure: float = 0.0,
     ) -> None:
         """Write the picture to a file; the extension says as what, "-" is a PNG on standard output.
 
@@ -235,12 +249,16 @@ class Image:
             How the error of rounding is spread.
         dpi : float, optional
             Pixels per inch on paper.
+        view : str
+            How light becomes colour on a screen, of `limner.color.views.VIEWS`; formats that hold light have "standard" only.
+        exposure : float
+            Stops by which the light is made brighter first.
 
         See `limner.image.save.save` for the rest and for the errors, `limner.image.formats` for what each format keeps.
         """
         from .save import save
 
-        save(self, path, bits=bits, dither=dither, dpi=dpi, seed=seed, parts=parts)
+        save(self, path, bits=bits, dither=dither, dpi=dpi, seed=seed, parts=parts, view=view, exposure=exposure)
 
     @staticmethod
     def open(path: str | os.PathLike[str]) -> Image:

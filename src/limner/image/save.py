@@ -36,6 +36,8 @@ def save(
     dpi: float | None = None,
     seed: int = 0,
     parts: bool = False,
+    view: str = "standard",
+    exposure: float = 0.0,
 ) -> None:
     """Write `image` to `path`.
 
@@ -54,6 +56,11 @@ def save(
         For the dither.
     parts : bool
         In an EXR, give each AOV a part of its own instead of a layer beside the colours.
+    view : str
+        How light becomes colour on a screen: one of `limner.color.views.VIEWS`. Only for formats that are for screens: EXR, HDR and PFM
+        hold light as it is.
+    exposure : float
+        Stops by which the light is made brighter first; likewise.
 
     Raises
     ------
@@ -64,7 +71,7 @@ def save(
     """
     to_stdout = os.fspath(path) == "-"
     kind = FORMATS[".png"] if to_stdout else format_of(path)
-    options = checked_options(kind, Options(bits, dither, dpi, seed, parts), image.dpi)
+    options = checked_options(kind, Options(bits, dither, dpi, seed, parts, view, exposure), image.dpi)
     if to_stdout:
         _write_stream(png(image, options))
         return
@@ -88,15 +95,16 @@ def keeps_aovs(path: str | os.PathLike[str]) -> bool:
     return Path(path).suffix.lower() == ".exr"
 
 
-def check_destination(path: str | os.PathLike[str]) -> None:
+def check_destination(path: str | os.PathLike[str], *, view: str = "standard", exposure: float = 0.0) -> None:
     """Refuse a place where no picture can be written, before any work is done for it.
 
-    Raises UnsupportedError for an unknown extension and RenderError for a folder that is missing or may not be written.
+    Raises UnsupportedError for an unknown extension, or one whose format has no views; RenderError for a folder that is missing or may
+    not be written.
     """
     name = os.fspath(path)
     if name == "-":
         return
-    format_of(path)
+    checked_options(format_of(path), Options(view=view, exposure=exposure), None)
     target = Path(os.path.realpath(path))
     if target.is_dir():
         raise RenderError(f"cannot write {name}: it is a folder")

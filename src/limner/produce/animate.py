@@ -135,6 +135,8 @@ def write_animation(
     start: float | None = None,
     end: float | None = None,
     quality: int | None = None,
+    view: str = "standard",
+    exposure: float = 0.0,
     on_progress: OnProgress | None = None,
     **options: Any,
 ) -> Clip:
@@ -149,6 +151,8 @@ def write_animation(
         transparency: there a scene without background stands before white.
     quality : int from 1 to 100, optional
         Of WebP and MP4; None: WebP without loss, MP4 as good as it looks.
+    view, exposure
+        As for `limner.Image.save`.
     on_progress, **options
         As for `animate`.
 
@@ -161,7 +165,7 @@ def write_animation(
 
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
     kind = check_clip(path, n_pictures=len(frame_times(scene, animation, fps, start, end)), fps=fps, quality=quality)
-    if scene.background is None and not kind.keeps_alpha:
+    if scene.background is None and not kind.keeps_alpha and view == "standard" and exposure == 0.0:  # a bent white is none
         scene = scene.replace(background=(1.0, 1.0, 1.0))
     meter = Meter(on_progress, "animation")
 
@@ -169,7 +173,7 @@ def write_animation(
         meter.report((1.0 - _ENCODING) * progress.done)
 
     pictures = animate(scene, animation=animation, fps=fps, start=start, end=end, on_progress=rendering, **options)
-    clip = write_clip(pictures, path, fps=fps, quality=quality)
+    clip = write_clip(pictures, path, fps=fps, quality=quality, view=view, exposure=exposure)
     if clip.finished:
         meter.report(1.0)
     return clip

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..color.views import checked_exposure, checked_view
 from ..errors import RenderError, SceneError, UnsupportedError
 from ..image.image import Image
 from ..image.recipe import KEYWORD, recipe_text
@@ -68,6 +69,8 @@ class Clip:
 class _Order(NamedTuple):
     fps: float
     quality: int | None
+    view: str = "standard"
+    exposure: float = 0.0
 
 
 class ClipKind(NamedTuple):
@@ -117,7 +120,15 @@ def check_clip(path: str | os.PathLike[str], *, n_pictures: int | None = None, f
     return kind
 
 
-def write_clip(pictures: Iterable[Image], path: str | os.PathLike[str], *, fps: float = 20.0, quality: int | None = None) -> Clip:
+def write_clip(
+    pictures: Iterable[Image],
+    path: str | os.PathLike[str],
+    *,
+    fps: float = 20.0,
+    quality: int | None = None,
+    view: str = "standard",
+    exposure: float = 0.0,
+) -> Clip:
     """Write pictures as a clip.
 
     Parameters
@@ -126,20 +137,25 @@ def write_clip(pictures: Iterable[Image], path: str | os.PathLike[str], *, fps: 
         All of one size; they are asked for one by one. One that is not finished, or a KeyboardInterrupt, stops the clip.
     path, fps, quality
         As for `check_clip`. GIF and MP4 put what is transparent before white.
+    view : str
+        How light becomes colour on a screen: one of `limner.color.views.VIEWS`.
+    exposure : float
+        Stops by which the light is made brighter first.
 
     Returns
     -------
     Clip
     """
     kind = check_clip(path, fps=fps, quality=quality)
+    order = _Order(float(fps), quality, checked_view(view), checked_exposure(exposure))
     place, counted = Path(path), _Counted(pictures)
     finished = True
     try:
         if kind is _FOLDER:
-            kind.write(iter(counted), place, _Order(float(fps), quality))
+            kind.write(iter(counted), place, order)
         else:
             with _whole(place) as part:
-                kind.write(iter(counted), part, _Order(float(fps), quality))
+                kind.write(iter(counted), part, order)
     except (Cancelled, KeyboardInterrupt):
         finished = False
     except OSError as error:
@@ -230,14 +246,15 @@ def _ends(fps: float, unit: int) -> Iterator[tuple[int, int]]:
         k += 1
 
 
-def _over_white(image: Image) -> NDArray[np.uint8]:
-    """(height, width, 3) uint8: mixed in linear light, as if white had been behind it."""
-    pixels = image.pixels
+def _over_white(image: Image, order: _Order) -> NDArray[np.uint8]:
+    """(height, width, 3) uint8: mixed in linear light, as if the screen's white had been behind it."""
+    pixels = image.viewed(order.view, order.exposure).pixels
+    curve = "none" if order.view == "none" else "standard"
     if (pixels[..., 3] == 1.0).all():
-        return np.ascontiguousarray(image.to_uint8()[..., :3])
+        return np.ascontiguousarray(Image(pixels).to_uint8(curve)[..., :3])
     alpha = np.clip(pixels[..., 3:], 0.0, 1.0)
     mixed = np.concatenate([pixels[..., :3] * alpha + (1.0 - alpha), np.ones_like(alpha)], axis=2)
-    return np.ascontiguousarray(Image(mixed).to_uint8()[..., :3])
+    return np.ascontiguousarray(Image(mixed).to_uint8(curve)[..., :3])
 
 
 def _write_gif(pictures: Iterator[Image], part: Path, order: _Order) -> None:
@@ -249,7 +266,7 @@ def _write_gif(pictures: Iterator[Image], part: Path, order: _Order) -> None:
     tally, shape, n, text = Tally(), (0, 0, 3), 0, ""
     with tempfile.SpooledTemporaryFile(max_size=_MOST_IN_MEMORY) as spool:
         for image in pictures:
-            picture = _over_white(image)
+            picture = _over_white(image, order)
             tally.add(picture)
             spool.write(picture.tobytes())
             text = text or recipe_text(image.recipe)
@@ -288,7 +305,7 @@ def _write_webp(pictures: Iterator[Image], part: Path, order: _Order) -> None:
 
     made, text, total = [], "", 0
     for image in pictures:
-        encoded = image.to_uint8()
+        encoded = image.to_uint8(order.view, order.exposure)
         opaque = bool((encoded[..., 3] == 255).all())
         made.append(pillow.fromarray(np.ascontiguousarray(encoded[..., :3] if opaque else encoded)))
         total += encoded.nbytes
@@ -321,7 +338,7 @@ def _write_apng(pictures: Iterator[Image], part: Path, order: _Order) -> None:
                 file.write(_chunk(b"acTL", struct.pack(">II", 0, 0)))
             # Chunks of the animation are numbered: a control for each picture, then its data; those of the first are the PNG's own.
             control = struct.pack(">IIIIIHH", max(2 * n - 1, 0), image.width, image.height, 0, 0, *delay) + _REPLACE
-            data = _deflated(image.to_uint8())
+            data = _deflated(image.to_uint8(order.view, order.exposure))
             file.write(_chunk(b"fcTL", control))
             file.write(_chunk(b"IDAT", data) if n == 0 else _chunk(b"fdAT", struct.pack(">I", 2 * n) + data))
             n += 1
@@ -375,7 +392,7 @@ def _write_mp4(pictures: Iterator[Image], part: Path, order: _Order) -> None:
     matrix = ["-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709", "-color_primaries", "bt709"]
     how = ["-f", "mp4", "-crf", str(crf), *matrix, "-color_trc", "iec61966-2-1", "-movflags", "+faststart"]
     first = next(pictures)
-    frame = _even(_over_white(first))
+    frame = _even(_over_white(first, order))
     size = frame.shape[1], frame.shape[0]
     writer = _ffmpeg().write_frames(
         os.fspath(part), size, fps=order.fps, codec="libx264", macro_block_size=1, output_params=how, ffmpeg_log_level="error"
@@ -384,7 +401,7 @@ def _write_mp4(pictures: Iterator[Image], part: Path, order: _Order) -> None:
     try:
         writer.send(frame)
         for image in pictures:
-            writer.send(_even(_over_white(image)))
+            writer.send(_even(_over_white(image, order)))
     finally:
         writer.close()
 
@@ -399,7 +416,7 @@ def _write_folder(pictures: Iterator[Image], folder: Path, order: _Order) -> Non
     for index, image in enumerate(pictures):
         if index == 0:
             folder.mkdir(parents=True, exist_ok=True)
-        image.save(folder / f"{index:04d}.png")
+        image.save(folder / f"{index:04d}.png", view=order.view, exposure=order.exposure)
 
 
 _APNG = ClipKind("animated PNG", _write_apng, keeps_alpha=True)

@@ -24,6 +24,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..color.decode_table import SRGB_DECODE
+from ..color.views import checked_exposure, checked_view
 from ..errors import LimnerError, RenderError, SceneError, UnsupportedError
 from ..image.image import Image
 from ..progress import Meter, OnProgress
@@ -116,6 +117,8 @@ def thumbnails(
     update: bool = False,
     renderer: str = "raster",
     background: Any = None,
+    view: str = "standard",
+    exposure: float = 0.0,
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
     **options: Any,
@@ -136,6 +139,8 @@ def thumbnails(
     renderer : "raster" | "ray" | "path"
     background : three floats >= 0 or None
         In place of that of scenes that have none; None: transparent.
+    view, exposure
+        As for `limner.Image.save`.
     on_progress : callable, optional
     cancel : threading.Event, optional
         Set it to stop; so does a KeyboardInterrupt.
@@ -163,7 +168,8 @@ def thumbnails(
 
     # What is wrong with the options is wrong for all: say it once, before anything is read.
     Renderer(_nothing(), width=size, height=size, renderer=renderer, **options).close()
-    work = _Work(Path(folder), Path(output), int(size), update, background, {"renderer": renderer, **options})
+    saving = {"view": checked_view(view), "exposure": checked_exposure(exposure)}
+    work = _Work(Path(folder), Path(output), int(size), update, background, {"renderer": renderer, **options}, saving)
     meter, items = Meter(on_progress, "thumbnails"), []
     finished = True
     try:
@@ -196,6 +202,7 @@ class _Work:
     update: bool
     background: Any
     options: dict[str, Any]
+    saving: dict[str, Any]
 
     def one(self, source: Path, cancel: threading.Event | None) -> Thumbnail | None:
         """Make the picture of one model; None: it was stopped."""
@@ -214,7 +221,7 @@ class _Work:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise RenderError(f"cannot write in {path.parent}: {error.strerror or error}") from error
-        image.save(path)
+        image.save(path, **self.saving)
         blank = float((image.pixels[..., 3] > 1.0 / 255.0).mean()) < _BLANK
         warning = "nothing is seen" if blank else next((slip for slip in image.warnings if "not finite" in slip), "")
         return Thumbnail(source, path, "made", warning=warning, seconds=time.perf_counter() - started)

@@ -155,6 +155,8 @@ def write_turntable(
     *,
     fps: float = 20.0,
     quality: int | None = None,
+    view: str = "standard",
+    exposure: float = 0.0,
     on_progress: OnProgress | None = None,
     **options: Any,
 ) -> Clip:
@@ -171,6 +173,8 @@ def write_turntable(
         Pictures a second; at most 50 in a GIF.
     quality : int from 1 to 100, optional
         Of WebP and MP4; None: WebP without loss, MP4 as good as it looks.
+    view, exposure
+        As for `limner.Image.save`.
     on_progress : callable, optional
     **options
         As for `turntable`.
@@ -191,14 +195,14 @@ def write_turntable(
     from ..files.interop import as_scene
 
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
-    if scene.background is None and not kind.keeps_alpha:
+    if scene.background is None and not kind.keeps_alpha and view == "standard" and exposure == 0.0:  # a bent white is none
         scene = scene.replace(background=(1.0, 1.0, 1.0))
     meter = Meter(on_progress, "turntable")
 
     def rendering(progress: Progress) -> None:
         meter.report((1.0 - _ENCODING) * progress.done)
 
-    clip = write_clip(turntable(scene, n, on_progress=rendering, **options), path, fps=fps, quality=quality)
+    clip = write_clip(turntable(scene, n, on_progress=rendering, **options), path, fps=fps, quality=quality, view=view, exposure=exposure)
     if clip.finished:
         meter.report(1.0)
     return clip

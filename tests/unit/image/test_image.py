@@ -66,7 +66,7 @@ def test_a_screen_gets_encoded_colour_and_linear_alpha() -> None:
     """Mid grey becomes 188; half covered stays 128."""
     image = Image(np.full((1, 1, 4), 0.5, dtype=np.float32))
     assert image.to_uint8()[0, 0].tolist() == [188, 188, 188, 128]
-    with pytest.raises(UnsupportedError, match="view must be one of standard"):
+    with pytest.raises(UnsupportedError, match="view must be one of none, standard"):
         image.to_uint8("sepia")
 
 

@@ -109,6 +109,9 @@ limner.add_command(schema)
 )  # fmt: skip
 @click.option("--background", type=BACKGROUND, help="environment, transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
 @click.option("--transparent", is_flag=True, help="The same as --background transparent.")
+@click.option(
+    "--color-space", default="srgb", show_default=True, metavar="SPACE", help="Whose numbers are written: display_p3, rec2020, acescg, …",
+)  # fmt: skip
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the picture as JSON on standard output.")

@@ -94,6 +94,7 @@ class Order:
     as_json: bool
     view: str = "standard"
     exposure: float = 0.0
+    color_space: str = "srgb"
     further: dict[str, Any] = field(default_factory=dict)
     report: bool = False
 
@@ -161,7 +162,7 @@ def make_picture(order: Order, talk: Talk) -> None:
         from ..draw.color_bar import with_color_bar
 
         image = with_color_bar(image, key)
-    image.save(order.output, view=order.view, exposure=order.exposure)
+    image.save(order.output, view=order.view, exposure=order.exposure, color_space=order.color_space)
     saved = time.perf_counter()
 
     seconds = {"load": loaded - started, "render": rendered - loaded, "save": saved - rendered}
@@ -254,7 +255,7 @@ def _check_output(order: Order) -> None:
     from ..image.save import check_destination, keeps_aovs
 
     try:
-        check_destination(order.output, view=order.view, exposure=order.exposure)
+        check_destination(order.output, view=order.view, exposure=order.exposure, color_space=order.color_space)
     except LimnerError as error:
         raise click.UsageError(str(error)) from error
     if order.aovs and not keeps_aovs(order.output):

@@ -91,6 +91,11 @@ class Space:
         return np.linalg.inv(self.xyz_from_rgb)
 
     @property
+    def cicp(self) -> tuple[int, int] | None:
+        """Code points of lamps and transfer function in ITU-T H.273, by which videos and PNGs say them; None: it has none."""
+        return _CICP.get(self.name)
+
+    @property
     def encoding(self) -> Encoding:
         """How numbers are stored."""
         return encoding(self.transfer)
@@ -119,6 +124,11 @@ _KNOWN = (
 )
 SPACES = {known.name: known for known in _KNOWN}
 """Spaces by name."""
+
+
+_CICP = {
+    "srgb": (1, 13), "rec709": (1, 1), "display_p3": (12, 13), "rec2020": (9, 15), "rec2100_pq": (9, 16), "rec2100_hlg": (9, 18),
+}  # fmt: skip
 
 
 def space(name: str | Space) -> Space:

@@ -7,6 +7,9 @@
     .tif .tiff                 8 bits, sRGB, straight alpha; the recipe as image description; dots per inch
     .hdr                       linear, three mantissas of 8 bits that share an exponent, over black; the recipe in the header
     .pfm                       float32, linear, over black
+
+All but the last two say which colour space their numbers are of where that is not sRGB: by an ICC profile (and its code, CICP, in a PNG),
+an EXR by its chromaticities, always.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -53,6 +57,7 @@ class Options(NamedTuple):
     parts: bool = False
     view: str = "standard"
     exposure: float = 0.0
+    color_space: str = "srgb"
 
 
 class Format(NamedTuple):
@@ -64,6 +69,7 @@ class Format(NamedTuple):
     dithers: bool = True
     keeps_dpi: bool = True
     keeps_parts: bool = False
+    keeps_space: bool = True
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
@@ -92,6 +98,7 @@ def checked_options(kind: Format, given: Options, image_dpi: float | None) -> Op
     view, exposure = checked_view(given.view), checked_exposure(given.exposure)
     if not kind.dithers and (view != "standard" or exposure != 0.0):
         raise UnsupportedError(f"{kind.name} holds light as it is: view and exposure are for screens, as in PNG, JPEG, WebP and TIFF")
+    _check_space(kind, given.color_space, view, bits)
     dpi = image_dpi
     if given.dpi is not None:
         from .hardcopy import checked_dpi
@@ -99,7 +106,23 @@ def checked_options(kind: Format, given: Options, image_dpi: float | None) -> Op
         dpi = checked_dpi(given.dpi)
         if not kind.keeps_dpi:
             raise UnsupportedError(f"{kind.name} has no place for dots per inch; PNG, JPEG, TIFF and EXR have")
-    return Options(bits, given.dither, dpi, given.seed, given.parts, view, exposure)
+    return Options(bits, given.dither, dpi, given.seed, given.parts, view, exposure, given.color_space)
+
+
+def _check_space(kind: Format, name: str, view: str, bits: int) -> None:
+    """Refuse a colour space that is not known, or that the file could not say."""
+    if name == "srgb":
+        return
+    from ..color.profile import icc_profile
+    from ..color.spaces import space
+
+    found = space(name)
+    if not kind.keeps_space:
+        raise UnsupportedError(f"{kind.name} cannot say its colour space; PNG, JPEG, WebP, TIFF and EXR can")
+    if view == "none" or bits == 1:
+        raise UnsupportedError(f"color_space {name} needs colours: numbers as they are (view none) and black and white (1 bit) have none")
+    if kind.dithers and not (kind.name == "PNG" and found.cicp):
+        icc_profile(found)
 
 
 def _recipe(image: Image, options: Options) -> str:
@@ -115,15 +138,33 @@ def _recipe(image: Image, options: Options) -> str:
 # --- for screens ------------------------------------------------------------------------------------------------------------
 
 
+def _stored(light: NDArray[np.float32], options: Options) -> NDArray[Any]:
+    """(height, width, 3): light as the numbers of the file's colour space; beyond [0, 1] where that cannot show it."""
+    if options.color_space == "srgb":
+        return srgb_from_linear(light)
+    from ..color.convert import convert_color
+
+    return convert_color(light, "linear_srgb", options.color_space)
+
+
+def _profile(options: Options) -> bytes | None:
+    """What says which colour space the numbers are of; None: sRGB, as everybody assumes."""
+    if options.color_space == "srgb":
+        return None
+    from ..color.profile import icc_profile
+
+    return icc_profile(options.color_space)
+
+
 def _encoded(image: Image, options: Options) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """(height, width, 4): sRGB-encoded colour, straight alpha, in as many bits as asked for."""
-    if options.bits == 8 and options.dither is None:
+    if options.bits == 8 and options.dither is None and options.color_space == "srgb":
         return image.to_uint8(options.view, options.exposure)
     from .quantize import quantize
 
     bits = options.bits or 8
     seen = image.viewed(options.view, options.exposure).pixels[..., :3]
-    color = quantize(seen if options.view == "none" else srgb_from_linear(seen), bits, options.dither, options.seed)
+    color = quantize(seen if options.view == "none" else _stored(seen, options), bits, options.dither, options.seed)
     return np.concatenate([color, quantize(image.pixels[..., 3:], bits)], axis=2)
 
 
@@ -147,7 +188,13 @@ def _over_white(image: Image) -> NDArray[np.float32]:
 def png(image: Image, options: Options) -> bytes:
     """Encode as PNG."""
     pixels = _black_and_white(image, options) if options.bits == 1 else _encoded(image, options)
-    return png_bytes(pixels, {KEYWORD: _recipe(image, options)}, options.dpi)
+    texts = {KEYWORD: _recipe(image, options)}
+    if options.color_space == "srgb":
+        return png_bytes(pixels, texts, options.dpi)
+    from ..color.spaces import space
+
+    found = space(options.color_space)
+    return png_bytes(pixels, texts, options.dpi, profile=_profile(options) if found.encoding.curve else None, cicp=found.cicp)
 
 
 def _write_png(image: Image, path: Path, options: Options) -> None:
@@ -171,15 +218,17 @@ def _dpi_pair(options: Options) -> tuple[float, float] | None:
 
 def _write_jpeg(image: Image, path: Path, options: Options) -> None:
     over_white = _over_white(image.viewed(options.view, options.exposure))
-    if options.dither is None:
+    if options.dither is None and options.color_space == "srgb":
         encoded = bytes_from_unit(over_white) if options.view == "none" else bytes_from_linear(over_white)
     else:
         from .quantize import quantize
 
-        codes = over_white if options.view == "none" else srgb_from_linear(over_white)
+        codes = over_white if options.view == "none" else _stored(over_white, options)
         encoded = quantize(codes, 8, options.dither, options.seed).astype(np.uint8)
     comment = _recipe(image, options).encode()[:65000]
-    _write_pillow(image, encoded, path, "JPEG", quality=95, subsampling=0, comment=comment, dpi=_dpi_pair(options))
+    _write_pillow(
+        image, encoded, path, "JPEG", quality=95, subsampling=0, comment=comment, dpi=_dpi_pair(options), icc_profile=_profile(options)
+    )
 
 
 def _opaque_as_rgb(encoded: NDArray[Any]) -> NDArray[np.uint8]:
@@ -191,11 +240,14 @@ def _write_webp(image: Image, path: Path, options: Options) -> None:
 
     told = Exif()
     told[_IMAGE_DESCRIPTION] = _recipe(image, options)
-    _write_pillow(image, _opaque_as_rgb(_encoded(image, options)), path, "WEBP", lossless=True, exif=told.tobytes())
+    _write_pillow(
+        image, _opaque_as_rgb(_encoded(image, options)), path, "WEBP", lossless=True, exif=told.tobytes(), icc_profile=_profile(options)
+    )
 
 
 def _write_tiff(image: Image, path: Path, options: Options) -> None:
     settings = {"compression": "tiff_adobe_deflate", "description": _recipe(image, options), "dpi": _dpi_pair(options)}
+    settings["icc_profile"] = _profile(options)
     _write_pillow(image, _opaque_as_rgb(_encoded(image, options)), path, "TIFF", **settings)
 
 
@@ -209,7 +261,8 @@ def _write_exr(image: Image, path: Path, options: Options) -> None:
     told = {**header, KEYWORD: _recipe(image, options)}
     if options.dpi is not None:
         told["xDensity"] = options.dpi
-    layers = exr_layers(image, half=options.bits == 16)
+    told["chromaticities"] = chromaticities(options.color_space)
+    layers = exr_layers(_in_space(image, options.color_space), half=options.bits == 16)
     try:
         if options.parts:
             names = list(dict.fromkeys(name.rpartition(".")[0] for name in layers))
@@ -224,6 +277,25 @@ def _write_exr(image: Image, path: Path, options: Options) -> None:
                 file.write(os.fspath(path))
     except RuntimeError as error:  # how the library reports a file that could not be written
         raise OSError(0, str(error).strip().rstrip(".").rpartition(". ")[2]) from error
+
+
+def chromaticities(name: str) -> tuple[float, ...]:
+    """x, y of a space's red, green, blue and white: what an EXR says of its channels (OpenEXR, *Technical Introduction*)."""
+    from ..color.spaces import space
+
+    found = space(name)
+    return tuple(float(part) for part in (*found.red, *found.green, *found.blue, *found.white))
+
+
+def _in_space(image: Image, name: str) -> Image:
+    """The same light as amounts of another space's lamps."""
+    if name == "srgb":
+        return image
+    from ..color.convert import convert_color
+
+    pixels = image.pixels.copy()
+    pixels[..., :3] = convert_color(image.pixels[..., :3], "linear_srgb", f"linear_{name}")
+    return replace(image, pixels=pixels)
 
 
 def exr_layers(image: Image, *, half: bool = False) -> dict[str, NDArray[Any]]:
@@ -303,7 +375,7 @@ FORMATS = {
     ".webp": Format("WebP", _write_webp, keeps_dpi=False),
     ".tif": _TIFF,
     ".tiff": _TIFF,
-    ".hdr": Format("Radiance HDR", _write_hdr, dithers=False, keeps_dpi=False),
-    ".pfm": Format("PFM", _write_pfm, bits=(32,), dithers=False, keeps_dpi=False),
+    ".hdr": Format("Radiance HDR", _write_hdr, dithers=False, keeps_dpi=False, keeps_space=False),
+    ".pfm": Format("PFM", _write_pfm, bits=(32,), dithers=False, keeps_dpi=False, keeps_space=False),
 }
 """By extension."""

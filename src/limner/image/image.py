@@ -238,6 +238,7 @@ class Image:
         parts: bool = False,
         view: str = "standard",
         exposure: float = 0.0,
+        color_space: str = "srgb",
     ) -> None:
         """Write the picture to a file; the extension says as what, "-" is a PNG on standard output.
 
@@ -253,12 +254,14 @@ class Image:
             How light becomes colour on a screen, of `limner.color.views.VIEWS`; formats that hold light have "standard" only.
         exposure : float
             Stops by which the light is made brighter first.
+        color_space : str
+            Whose numbers are written: "display_p3", "rec2020", … of `limner.color.spaces.SPACES`. The file says so.
 
         See `limner.image.save.save` for the rest and for the errors, `limner.image.formats` for what each format keeps.
         """
         from .save import save
 
-        save(self, path, bits=bits, dither=dither, dpi=dpi, seed=seed, parts=parts, view=view, exposure=exposure)
+        save(self, path, bits=bits, dither=dither, dpi=dpi, seed=seed, parts=parts, view=view, exposure=exposure, color_space=color_space)
 
     @staticmethod
     def open(path: str | os.PathLike[str]) -> Image:

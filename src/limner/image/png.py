@@ -23,6 +23,7 @@ _GREY, _TRUECOLOR, _GREY_ALPHA, _TRUECOLOR_ALPHA = 0, 2, 4, 6
 _CHANNELS = {_GREY: 1, _TRUECOLOR: 3, _GREY_ALPHA: 2, _TRUECOLOR_ALPHA: 4}
 _FILTER_UP = 2
 _PERCEPTUAL = 0
+_RGB, _FULL_RANGE = 0, 1
 _METRE = 1
 _INCHES_PER_METRE = 1000.0 / 25.4
 _ADAM7 = ((0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2), (1, 0, 2, 1))  # y, x, step y, step x
@@ -32,6 +33,9 @@ def png_bytes(
     encoded: NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.bool_],
     texts: Mapping[str, str] | None = None,
     dpi: float | None = None,
+    *,
+    profile: bytes | None = None,
+    cicp: tuple[int, int] | None = None,
 ) -> bytes:
     """Encode a picture.
 
@@ -44,9 +48,13 @@ def png_bytes(
         Keywords (1 to 79 Latin-1 characters) and what they say, for `iTXt` chunks.
     dpi : float, optional
         Pixels per inch on paper; stored as a whole number per metre.
+    profile : bytes, optional
+        ICC profile of the colours, where they are not sRGB.
+    cicp : (primaries, transfer), optional
+        Their code points in ITU-T H.273, likewise.
 
     **Source**: W3C, *Portable Network Graphics (PNG) Specification*, 3rd edition, 5 (chunks), 9 (filters), 11.3.3.4 (iTXt), 11.3.4.3
-    (pHYs).
+    (pHYs), 11.3.2.3 (iCCP), 11.3.2.6 (cICP).
     """
     height, width = encoded.shape[:2]
     rows: NDArray[np.uint8]
@@ -61,8 +69,13 @@ def png_bytes(
     parts = [
         _SIGNATURE,
         _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, color_type, 0, 0, 0)),
-        _chunk(b"sRGB", bytes([_PERCEPTUAL])),
     ]
+    if cicp is not None:
+        parts.append(_chunk(b"cICP", bytes([*cicp, _RGB, _FULL_RANGE])))
+    if profile is not None:
+        parts.append(_chunk(b"iCCP", b"ICC profile\0\0" + zlib.compress(profile)))
+    if cicp is None and profile is None:
+        parts.append(_chunk(b"sRGB", bytes([_PERCEPTUAL])))
     if dpi is not None:
         per_metre = min(max(round(dpi * _INCHES_PER_METRE), 1), (1 << 31) - 1)
         parts.append(_chunk(b"pHYs", struct.pack(">IIB", per_metre, per_metre, _METRE)))

@@ -38,6 +38,7 @@ def save(
     parts: bool = False,
     view: str = "standard",
     exposure: float = 0.0,
+    color_space: str = "srgb",
 ) -> None:
     """Write `image` to `path`.
 
@@ -61,6 +62,9 @@ def save(
         hold light as it is.
     exposure : float
         Stops by which the light is made brighter first; likewise.
+    color_space : str
+        Whose numbers are written, one of `limner.color.spaces.SPACES`, and said in the file: by an ICC profile, in an EXR by its
+        chromaticities. Radiance HDR and PFM have no place for it.
 
     Raises
     ------
@@ -71,7 +75,7 @@ def save(
     """
     to_stdout = os.fspath(path) == "-"
     kind = FORMATS[".png"] if to_stdout else format_of(path)
-    options = checked_options(kind, Options(bits, dither, dpi, seed, parts, view, exposure), image.dpi)
+    options = checked_options(kind, Options(bits, dither, dpi, seed, parts, view, exposure, color_space), image.dpi)
     if to_stdout:
         _write_stream(png(image, options))
         return
@@ -95,16 +99,16 @@ def keeps_aovs(path: str | os.PathLike[str]) -> bool:
     return Path(path).suffix.lower() == ".exr"
 
 
-def check_destination(path: str | os.PathLike[str], *, view: str = "standard", exposure: float = 0.0) -> None:
+def check_destination(path: str | os.PathLike[str], *, view: str = "standard", exposure: float = 0.0, color_space: str = "srgb") -> None:
     """Refuse a place where no picture can be written, before any work is done for it.
 
-    Raises UnsupportedError for an unknown extension, or one whose format has no views; RenderError for a folder that is missing or may
-    not be written.
+    Raises UnsupportedError for an unknown extension, or one whose format has no views or spaces; RenderError for a folder that is missing
+    or may not be written.
     """
     name = os.fspath(path)
     if name == "-":
         return
-    checked_options(format_of(path), Options(view=view, exposure=exposure), None)
+    checked_options(format_of(path), Options(view=view, exposure=exposure, color_space=color_space), None)
     target = Path(os.path.realpath(path))
     if target.is_dir():
         raise RenderError(f"cannot write {name}: it is a folder")

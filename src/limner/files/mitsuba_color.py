@@ -1,10 +1,7 @@
 """Colours as Mitsuba scenes say them: RGB, hexadecimal sRGB, spectra and black bodies; all become linear Rec. 709.
 
-A spectrum of a surface is what an eye sees of it under daylight (D65), of a light what it sees of the light itself. The observer is
-computed by formula; it lies within about one per cent of the CIE's tables, which is less than three numbers can say of a spectrum anyway.
-
-**Source**: observer: Wyman, Sloan and Shirley, *Simple Analytic Approximations to the CIE XYZ Color Matching Functions*, JCGT 2(2), 2013
-(the fits with several lobes). Black body: Planck's law. Daylight: a black body of 6504 K stands for D65.
+A spectrum of a surface is what an eye sees of it under daylight (D65), of a light what it sees of the light itself; both as
+`limner.color.light` has it, with the CIE's own observer.
 """
 
 from __future__ import annotations
@@ -16,6 +13,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..color import light
+from ..color.illuminants import planck
+from ..color.spectrum import WAVELENGTHS
 from ..color.transfer import linear_from_srgb
 from .mitsuba_xml import Element
 from .notes import quoted
@@ -29,46 +29,22 @@ Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 Read = Callable[[str], bytes]
 
-WAVELENGTHS: Floats = np.arange(380.0, 781.0, 5.0)
-_DAYLIGHT_KELVIN = 6504.0
-_Y_INTEGRAL = 106.8567  # of the observer's y over the wavelengths, nm: by this Mitsuba divides radiance per nanometre
-_EQUAL_ENERGY = (1.204794, 0.948292, 0.908916)  # of X = Y = Z = 1 in linear Rec. 709
 _HEX = re.compile(r"#([0-9a-fA-F]{6})")
-_RGB_FROM_XYZ = np.array([[3.2404542, -1.5371385, -0.4985314], [-0.9692660, 1.8760108, 0.0415560], [0.0556434, -0.2040259, 1.0572252]])
-
-
-def _lobe(mean: float, below: float, above: float) -> Floats:
-    t = WAVELENGTHS - mean
-    return np.asarray(np.exp(-0.5 * (t * np.where(t < 0.0, below, above)) ** 2))
-
-
-_OBSERVER = np.stack(
-    [
-        1.056 * _lobe(599.8, 0.0264, 0.0323) + 0.362 * _lobe(442.0, 0.0624, 0.0374) - 0.065 * _lobe(501.1, 0.0490, 0.0382),
-        0.821 * _lobe(568.8, 0.0213, 0.0247) + 0.286 * _lobe(530.9, 0.0613, 0.0322),
-        1.217 * _lobe(437.0, 0.0845, 0.0278) + 0.681 * _lobe(459.0, 0.0385, 0.0725),
-    ],
-    axis=1,
-)  # fmt: skip
 
 
 def black_body(kelvin: float) -> Floats:
-    """Spectral radiance at `WAVELENGTHS`, W / (m2 sr nm). **Source**: Planck's law."""
-    h, c, k = 6.62607015e-34, 299792458.0, 1.380649e-23
-    metres = WAVELENGTHS * 1e-9
-    with np.errstate(over="ignore"):
-        return np.asarray(2.0 * h * c * c / (metres**5 * np.expm1(h * c / (metres * k * kelvin))) * 1e-9)
+    """Spectral radiance at `WAVELENGTHS`, W / (m2 sr nm)."""
+    return planck(WAVELENGTHS, kelvin)
 
 
 def rgb_from_emission(curve: Floats) -> Triple:
     """What an eye sees of spectral radiance at `WAVELENGTHS`; a curve that is 1 everywhere has the luminance 1."""
-    return _not_negative(_RGB_FROM_XYZ @ (5.0 * _OBSERVER.T @ curve) / _Y_INTEGRAL)
+    return _not_negative(light.rgb_from_emission(curve))
 
 
 def rgb_from_reflectance(curve: Floats) -> Triple:
     """What an eye sees of a surface of that reflectance in daylight; of one that reflects all, white."""
-    weights = _OBSERVER * black_body(_DAYLIGHT_KELVIN)[:, None]
-    return _not_negative((_RGB_FROM_XYZ @ (weights.T @ curve)) / (_RGB_FROM_XYZ @ weights.sum(axis=0)))
+    return _not_negative(light.rgb_from_reflectance(curve))
 
 
 def color_of(element: Element, read: Read) -> Triple:
@@ -109,7 +85,8 @@ def color_of(element: Element, read: Read) -> Triple:
 
 def _even(level: float) -> Triple:
     """Light of the same radiance at all wavelengths, which is a little redder than daylight."""
-    return _checked((_EQUAL_ENERGY[0] * level, _EQUAL_ENERGY[1] * level, _EQUAL_ENERGY[2] * level))
+    red, green, blue = rgb_from_emission(np.full(len(WAVELENGTHS), level))
+    return _checked((red, green, blue))
 
 
 def curve_of(element: Element, read: Read) -> Floats:

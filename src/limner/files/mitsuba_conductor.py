@@ -11,20 +11,11 @@ collections; the formula is Fresnel's at normal incidence.
 
 from __future__ import annotations
 
-from typing import Any
+from ..color.metals import normal_reflectance
 
 __all__ = ["CONDUCTORS", "IOR", "normal_reflectance", "reflectance_of"]
 
 Triple = tuple[float, float, float]
-
-
-def normal_reflectance(n: Any, k: Any) -> Any:
-    """F0 of a metal with the complex index of refraction n + ik; numbers or arrays.
-
-    >>> normal_reflectance(1.5, 0.0)
-    0.04
-    """
-    return ((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
 
 
 def reflectance_of(name: str) -> Triple | None:

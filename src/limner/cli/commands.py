@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from .. import __version__
+from .chart import CHARTS
 from .curve import FRACTALS, KINDS
 from .mesh import mesh
 from .schema import schema
@@ -541,6 +542,44 @@ def curve(talk: Talk, /, **options: Any) -> None:
     order = Order(**options)
     _check_size(order.width, order.height)
     draw_curve(order, talk)
+
+
+@limner.command(short_help="Draw a chart of colour: gamuts, observers, lamps, a screen's gamma.")
+@click.argument("kind", type=click.Choice(CHARTS), metavar="KIND")
+@click.option("-o", "--output", metavar="OUT", help="The picture file, or .svg for vectors; may be left out with --grey.")
+@click.option("--gamuts", type=WORDS, default="srgb,display_p3,rec2020", show_default=True, help="Spaces to draw (chromaticity).")
+@click.option("--plane", type=click.Choice(["xy", "uv"]), default="xy", show_default=True, help="CIE 1931 or 1976 (chromaticity).")
+@click.option("--points", metavar='"X,Y X,Y …"', help="Colours to mark, by x and y (chromaticity).")
+@click.option(
+    "--lights", type=WORDS, default="A,C,D50,D65,E", show_default=True, help="Names, or kelvin as in 3200 (illuminants).",
+)  # fmt: skip
+@click.option(
+    "--observer", type=click.Choice(["cie_1931_2", "cie_1964_10"]), default="cie_1931_2", show_default=True,
+    help="2 or 10 degrees (chromaticity, matching).",
+)  # fmt: skip
+@click.option("--grey", type=float, metavar="CODE", help="The code, 0 to 255, that was as bright as the board: tells gamma (gamma).")
+@click.option("--width", type=click.IntRange(200, MAX_SIDE), default=960, show_default=True, help="Columns.")
+@click.option("--height", type=click.IntRange(200, MAX_SIDE), default=720, show_default=True, help="Rows.")
+@_voice
+@click.pass_obj
+def chart(talk: Talk, /, **options: Any) -> None:
+    """Draw a chart of KIND: chromaticity, matching, rgb-matching, cones, illuminants, metamers, metals, checker, banding, gamma.
+
+    \b
+        limner chart chromaticity -o gamuts.svg --gamuts srgb,rec2020,acescg --plane uv
+        limner chart illuminants -o lamps.png --lights A,D65,3200
+        limner chart gamma -o gamma.png          look at it pixel by pixel, from afar; then
+        limner chart gamma --grey 186            gamma 2.20
+    """
+    from .chart import Order, draw_chart
+
+    order = Order(**options)
+    if order.grey is not None and order.kind != "gamma":
+        raise click.UsageError("--grey is the answer to the chart gamma")
+    if order.output is None and order.grey is None:
+        raise click.UsageError("nothing was asked for: give -o" + (", --grey or both" if order.kind == "gamma" else ""))
+    _check_size(order.width, order.height)
+    draw_chart(order, talk)
 
 
 @limner.command(short_help="Make a picture of every model in a folder.")

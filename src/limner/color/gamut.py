@@ -19,7 +19,7 @@ from .spaces import SPACES, Space, rgb_from_rgb, space
 from .triples import in_pieces, triples
 from .uniform import oklab_from_xyz, xyz_from_oklab
 
-__all__ = ["GAMUT_METHODS", "fit_to_gamut", "gamut_area", "gamut_coverage", "in_gamut"]
+__all__ = ["GAMUT_METHODS", "fit_to_gamut", "gamut_area", "gamut_coverage", "in_gamut", "ring_area"]
 
 Floats = NDArray[np.float64]
 
@@ -46,8 +46,8 @@ def _outline(name: str | Space, plane: str) -> Floats:
     return np.asarray(uv_from_xy(corners)) if plane == "uv" else corners
 
 
-def _area(ring: Floats) -> float:
-    """Of a ring of points, positive where it is counter-clockwise."""
+def ring_area(ring: Floats) -> float:
+    """Area inside a ring of points, (n, 2); negative where it is clockwise."""
     x, y = ring.T
     return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
@@ -58,7 +58,7 @@ def gamut_area(name: str | Space, plane: str = "xy") -> float:
     >>> round(gamut_area("srgb"), 4), round(gamut_area("rec2020") / gamut_area("srgb"), 3)
     (0.1121, 1.891)
     """
-    return abs(_area(_outline(name, plane)))
+    return abs(ring_area(_outline(name, plane)))
 
 
 def gamut_coverage(name: str | Space, of: str | Space, plane: str = "xy") -> float:
@@ -70,14 +70,14 @@ def gamut_coverage(name: str | Space, of: str | Space, plane: str = "xy") -> flo
     **Source**: the cut of two convex polygons: Sutherland and Hodgman, *Reentrant polygon clipping*, 1974.
     """
     ring, window = _outline(of, plane), _outline(name, plane)
-    if _area(window) < 0.0:
+    if ring_area(window) < 0.0:
         window = window[::-1]
-    whole = abs(_area(ring))
+    whole = abs(ring_area(ring))
     for start, end in zip(window, np.roll(window, -1, axis=0), strict=True):
         ring = _cut(ring, start, end)
         if len(ring) < 3:
             return 0.0
-    return min(abs(_area(ring)) / whole, 1.0)
+    return min(abs(ring_area(ring)) / whole, 1.0)
 
 
 def _cut(ring: Floats, start: Floats, end: Floats) -> Floats:

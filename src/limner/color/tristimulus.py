@@ -85,7 +85,8 @@ def metamer(
     first = sampled(reflectance, "reflectance")
     power = sampled(illuminant(light) if isinstance(light, str) else light, "light")
     seen = matching_functions(observer) * power[:, None]
-    wave = np.sin(np.linspace(0.0, 9.0 * np.pi, len(first))) * np.sin(np.linspace(0.0, np.pi, len(first)))
+    # Three turns: what daylight and lamps differ by most
+    wave = -np.sin(np.linspace(0.0, 6.0 * np.pi, len(first))) * np.sin(np.linspace(0.0, np.pi, len(first)))
     black = wave - seen @ np.linalg.lstsq(seen, wave, rcond=None)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(black > 0.0, (1.0 - first) / black, -first / black)

@@ -63,7 +63,7 @@ _registry: dict[str, Door] = {}
 # What declares doors, when imported
 _DECLARING = (
     "limner.render", "limner.raycaster", "limner.draw.canvas", "limner.draw.wireframe", "limner.raster.stages",
-    "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion", "limner.color.convert",
+    "limner.mesh.unwrap.unwrap", "limner.mesh.unwrap.distortion", "limner.color.convert_large",
 )  # fmt: skip
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .._jit import kernel
@@ -17,7 +19,7 @@ _BLOCK = 1536  # numbers: in the nearest cache from one step to the next
 
 
 @kernel
-def _decoded(stored, gamma, scale, offset, slope, joint):
+def _decoded(stored: Any, gamma: Any, scale: Any, offset: Any, slope: Any, joint: Any) -> Any:
     """``((|s| + offset) / scale)^gamma`` from the joint on, ``slope |s|`` below; with the sign of s. What is not finite stays."""
     size = abs(stored)
     light = where(size < joint, size * slope, power((size + offset) * scale, gamma))
@@ -25,7 +27,7 @@ def _decoded(stored, gamma, scale, offset, slope, joint):
 
 
 @kernel
-def _encoded(light, gamma, scale, offset, slope, joint):
+def _encoded(light: Any, gamma: Any, scale: Any, offset: Any, slope: Any, joint: Any) -> Any:
     """``scale |x|^gamma - offset`` from the joint on, ``slope |x|`` below; with the sign of x. What is not finite stays."""
     size = abs(light)
     stored = where(size < joint, size * slope, scale * power(size, gamma) - offset)
@@ -33,7 +35,7 @@ def _encoded(light, gamma, scale, offset, slope, joint):
 
 
 @kernel
-def _decode_block(source, target, start, count, curve):
+def _decode_block(source: Any, target: Any, start: Any, count: Any, curve: Any) -> None:
     gamma, scale, offset, slope, joint = curve[0], curve[1], curve[2], curve[3], curve[4]
     whole = count - count % 8
     for i in range(0, whole, 8):
@@ -43,7 +45,7 @@ def _decode_block(source, target, start, count, curve):
 
 
 @kernel
-def _encode_block(target, start, count, curve):
+def _encode_block(target: Any, start: Any, count: Any, curve: Any) -> None:
     gamma, scale, offset, slope, joint = curve[0], curve[1], curve[2], curve[3], curve[4]
     whole = count - count % 8
     for i in range(0, whole, 8):
@@ -53,7 +55,7 @@ def _encode_block(target, start, count, curve):
 
 
 @kernel
-def _mix_block(source, target, start, count, matrix):
+def _mix_block(source: Any, target: Any, start: Any, count: Any, matrix: Any) -> None:
     m00, m01, m02 = matrix[0], matrix[1], matrix[2]
     m10, m11, m12 = matrix[3], matrix[4], matrix[5]
     m20, m21, m22 = matrix[6], matrix[7], matrix[8]
@@ -66,7 +68,7 @@ def _mix_block(source, target, start, count, matrix):
 
 
 @kernel
-def convert_rgb(source, target, decode, matrix, encode, is_curved, is_mixed, is_encoded):
+def convert_rgb(source: Any, target: Any, decode: Any, matrix: Any, encode: Any, is_curved: Any, is_mixed: Any, is_encoded: Any) -> None:
     """Convert (3 n,) numbers; curves are (gamma, scale, offset, slope, joint), the matrix is (9,), row by row."""
     total = source.shape[0]
     for start in range(0, total, _BLOCK):

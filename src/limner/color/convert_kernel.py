@@ -55,13 +55,23 @@ def _encode_block(target: Any, start: Any, count: Any, curve: Any) -> None:
 
 
 @kernel
-def _mix_block(source: Any, target: Any, start: Any, count: Any, matrix: Any) -> None:
+def _copy_block(source: Any, target: Any, start: Any, count: Any) -> None:
+    whole = count - count % 8
+    for i in range(0, whole, 8):
+        store8(target, start + i, load8(source, start + i))
+    for i in range(whole, count):
+        target[start + i] = source[start + i]
+
+
+@kernel
+def _mix_block(target: Any, start: Any, count: Any, matrix: Any) -> None:
+    """Mix in place: where one array is read and another written, the compiler fears that they overlap, and takes numbers one by one."""
     m00, m01, m02 = matrix[0], matrix[1], matrix[2]
     m10, m11, m12 = matrix[3], matrix[4], matrix[5]
     m20, m21, m22 = matrix[6], matrix[7], matrix[8]
     for k in range(count // 3):
         i = start + 3 * k
-        red, green, blue = source[i], source[i + 1], source[i + 2]
+        red, green, blue = target[i], target[i + 1], target[i + 2]
         target[i] = m00 * red + m01 * green + m02 * blue
         target[i + 1] = m10 * red + m11 * green + m12 * blue
         target[i + 2] = m20 * red + m21 * green + m22 * blue
@@ -75,12 +85,9 @@ def convert_rgb(source: Any, target: Any, decode: Any, matrix: Any, encode: Any,
         count = min(_BLOCK, total - start)
         if is_curved != 0:
             _decode_block(source, target, start, count, decode)
-            if is_mixed != 0:
-                _mix_block(target, target, start, count, matrix)
-        elif is_mixed != 0:
-            _mix_block(source, target, start, count, matrix)
         else:
-            for i in range(start, start + count):
-                target[i] = source[i]
+            _copy_block(source, target, start, count)
+        if is_mixed != 0:
+            _mix_block(target, start, count, matrix)
         if is_encoded != 0:
             _encode_block(target, start, count, encode)

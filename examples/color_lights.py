@@ -42,7 +42,9 @@ def main(target: str) -> None:
         for side, kelvin in ((-1, WARM), (1, COLD))
     ]
     camera = limner.Camera.look_at((0, 1.5, 6.4), (0, 0.75, 0), yfov_degrees=30)
-    scene = limner.Scene(limner.Node(children=(*balls, *walls, *lamps)), camera=camera).with_ground(white)
+    rest = limner.Node(lights=(limner.AmbientLight(intensity=0.12),))
+    root = limner.Node(children=(*balls, *walls, *lamps, rest))
+    scene = limner.Scene(root, camera=camera, background=(0.45, 0.45, 0.45)).with_ground(white)
     limner.render(scene, width=960, height=480, renderer="ray", samples=16, glossy=True).save(target)
     print(f"{target}: {', '.join(METALS)}")
 

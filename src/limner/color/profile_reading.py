@@ -69,8 +69,8 @@ def meaning_of_cicp(primaries: int, transfer: int) -> Meaning | None:
 def rec709_from_chromaticities(corners: Sequence[float]) -> Floats | None:
     """(3, 3) float64 to linear Rec. 709 from x, y of red, green, blue and white; None where they are Rec. 709's, or are none."""
     try:
-        pairs = np.asarray(corners, dtype=np.float64).reshape(4, 2)
-        made = Space("own", "own", *((float(x), float(y)) for x, y in pairs), "linear")
+        red, green, blue, white = [(float(x), float(y)) for x, y in np.asarray(corners, dtype=np.float64).reshape(4, 2)]
+        made = Space("own", "own", red, green, blue, white, "linear")
         matrix = rgb_from_rgb("srgb", made)
     except (LimnerError, ValueError, TypeError, np.linalg.LinAlgError):
         return None

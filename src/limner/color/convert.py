@@ -14,13 +14,13 @@ All meet in XYZ under D65. Where whites differ, white becomes white (`limner.col
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._door import Array, Door, Scalar
 from ..errors import SceneError, UnsupportedError
 from .adaptation import ADAPTATIONS, adaptation_matrix
 from .chromaticity import xyy_from_xyz, xyz_from_xyy
@@ -43,10 +43,6 @@ __all__ = ["COLOR_SPACES", "convert_color"]
 
 _LINEAR = "linear_"
 _LEAST_FOR_KERNEL = 1 << 14  # numbers: fewer are converted sooner than machine code is loaded
-_a1 = Array(np.float32, 1)
-_convert = Door(
-    "limner.color.convert_kernel", "convert_rgb", (_a1, _a1, _a1, _a1, _a1, *(3 * (Scalar(np.int64),))), "the conversion of colours"
-)
 
 _D65_XYZ = SPACES["srgb"].white_xyz
 _D50_XYZ = np.array([0.96422, 1.0, 0.82521])
@@ -176,21 +172,10 @@ def _between_lamps(
     if not is_mixed and decode.name == encode.name:
         return given.copy()
     if given.dtype == np.float32 and given.size >= _LEAST_FOR_KERNEL and decode.curve and encode.curve:
-        return _by_kernel(given, matrix, decode, encode, out)
+        # By name: whoever describes a scene or saves a picture must not depend on the compiler.
+        large = importlib.import_module(".convert_large", __package__)
+        made: NDArray[Any] = large.converted(given, matrix, decode, encode, out)
+        return made
     if not is_mixed:
         return in_pieces(lambda rows: encode.encode(decode.decode(rows)), given)
     return in_pieces(lambda rows: encode.encode(decode.decode(rows) @ matrix.T), given)
-
-
-def _by_kernel(given: NDArray[Any], matrix: Floats, decode: Encoding, encode: Encoding, out: NDArray[Any] | None) -> NDArray[Any]:
-    source = np.ascontiguousarray(given).reshape(-1)
-    made = out if out is not None and out.flags.c_contiguous else np.empty(given.shape, dtype=np.float32)
-    target = made.reshape(-1)
-    gamma, inverse, share, slope, joint = decode.curve
-    light = np.array([gamma, inverse, share / inverse, slope, joint], dtype=np.float32)
-    gamma, inverse, share, slope, joint = encode.curve
-    below = slope * joint
-    stored = np.array([1.0 / gamma, 1.0 / inverse, share / inverse, 1.0 / slope if slope else 0.0, below], dtype=np.float32)
-    flags = (decode.name != "linear", not np.array_equal(matrix, np.eye(3)), encode.name != "linear")
-    _convert(source, target, light, matrix.astype(np.float32).reshape(-1), stored, *map(int, flags))
-    return made

@@ -81,6 +81,10 @@ def _power(name: str, gamma: float) -> Encoding:
     )
 
 
+def _wide(values: NDArray[np.floating]) -> Floats:
+    return np.asarray(values, dtype=np.float64)
+
+
 def pq_from_nits(nits: ArrayLike) -> NDArray[np.floating]:
     """(...): the PQ signal of luminances, cd/m2; 10 000 is 1. Below 0 the curve is mirrored.
 
@@ -159,8 +163,8 @@ _KNOWN = (
     _power("gamma_2.2", 2.2),
     _power("adobe", 563.0 / 256.0),
     _power("gamma_2.6", 2.6),
-    Encoding("pq", lambda x: pq_from_nits(x * PQ_WHITE_NITS), lambda s: nits_from_pq(s) / PQ_WHITE_NITS),
-    Encoding("hlg", lambda x: hlg_from_linear(x * HLG_WHITE), lambda s: linear_from_hlg(s) / HLG_WHITE),
+    Encoding("pq", lambda x: _wide(pq_from_nits(x * PQ_WHITE_NITS)), lambda s: _wide(nits_from_pq(s) / PQ_WHITE_NITS)),
+    Encoding("hlg", lambda x: _wide(hlg_from_linear(x * HLG_WHITE)), lambda s: _wide(linear_from_hlg(s) / HLG_WHITE)),
 )
 ENCODINGS = tuple(known.name for known in _KNOWN)
 """Names of transfer functions."""

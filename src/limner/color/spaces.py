@@ -88,7 +88,7 @@ class Space:
     @cached_property
     def rgb_from_xyz(self) -> Floats:
         """(3, 3) float64: the inverse."""
-        return np.linalg.inv(self.xyz_from_rgb)
+        return np.asarray(np.linalg.inv(self.xyz_from_rgb), dtype=np.float64)
 
     @property
     def cicp(self) -> tuple[int, int] | None:

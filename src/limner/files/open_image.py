@@ -4,7 +4,8 @@
     image = limner.open_image("render.exr")     # layers become AOVs
 
 What a file is, its first bytes say. Pictures for screens are decoded with the sRGB curve, or with the plain power that a PNG names
-(gAMA); 16 bits are kept. Colour profiles are not applied.
+(gAMA); 16 bits are kept. What says that its colours are not sRGB's is converted: by an ICC profile of three lamps, the code of a PNG
+(cICP), an EXR's chromaticities.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..color.decode_table import SRGB_DECODE
+from ..color.profile_reading import Meaning, meaning_of_cicp, meaning_of_profile, rec709_from_chromaticities
 from ..color.transfer import linear_from_gamma, linear_from_srgb
+from ..color.triples import in_pieces
 from ..errors import FileFormatError, UnsupportedError
 from ..image.image import Image
 from ..image.png import decode_deep, is_deep
@@ -85,7 +88,9 @@ def _from_exr(path: str | os.PathLike[str], limits: Limits) -> Image:
 
     found = read_exr(path, limits)
     recipe = recipe_from_text(str(found.header.get(KEYWORD, "")))
-    return Image(found.pixels, aov=found.aov, recipe=recipe, dpi=_sound_dpi(found.header.get("xDensity")))
+    matrix = rec709_from_chromaticities(found.header.get("chromaticities", ()))
+    pixels = found.pixels if matrix is None else _mixed(found.pixels, matrix)
+    return Image(pixels, aov=found.aov, recipe=recipe, dpi=_sound_dpi(found.header.get("xDensity")))
 
 
 def _from_radiance(data: bytes, path: str | os.PathLike[str], limits: Limits) -> Image:
@@ -114,7 +119,8 @@ def _from_screen(data: bytes, path: str | os.PathLike[str], limits: Limits) -> I
     except Exception as error:  # a decoder on a foreign file may raise anything
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise PictureError(f"is no readable {picture.format} picture: {reason}") from None
-    pixels = _light(encoded, gamma)
+    meaning = _meaning(data, told)
+    pixels = _light(encoded, gamma) if meaning is None else _light_by(meaning, encoded)
     dpi = told.get("dpi")
     return Image(upright(pixels, orientation), recipe=recipe, dpi=_sound_dpi(dpi[0] if isinstance(dpi, tuple) else None))
 
@@ -149,6 +155,29 @@ def _light(encoded: NDArray[Any], gamma: float | None) -> NDArray[np.float32]:
     np.take(table, encoded[..., :3], out=pixels[..., :3])
     np.divide(encoded[..., 3], np.float32(greatest), out=pixels[..., 3])
     return pixels
+
+
+def _meaning(data: bytes, told: Mapping[Any, Any]) -> Meaning | None:
+    """What a picture says of its colours; None: they are sRGB's, or it says nothing."""
+    place = data.find(b"cICP", 0, data.find(b"IDAT")) if data.startswith(b"\x89PNG") else -1
+    if place >= 0 and len(data) >= place + 8:
+        return meaning_of_cicp(data[place + 4], data[place + 5])
+    profile = told.get("icc_profile")
+    return meaning_of_profile(profile) if isinstance(profile, bytes) else None
+
+
+def _light_by(meaning: Meaning, encoded: NDArray[Any]) -> NDArray[np.float32]:
+    """Decode as the file says."""
+    scale = 1.0 if encoded.dtype.kind == "f" else 1.0 / float(np.iinfo(encoded.dtype).max)
+    pixels = (encoded * np.float32(scale)).astype(np.float32, copy=False)
+    pixels[..., :3] = in_pieces(meaning.light, pixels[..., :3])
+    return pixels
+
+
+def _mixed(pixels: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[np.float32]:
+    made = pixels.copy()
+    made[..., :3] = in_pieces(lambda rows: rows @ matrix.T, pixels[..., :3])
+    return made
 
 
 def _own_gamma(told: Mapping[Any, Any]) -> float | None:

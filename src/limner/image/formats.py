@@ -248,7 +248,7 @@ def _write_webp(image: Image, path: Path, options: Options) -> None:
 
 
 def _write_tiff(image: Image, path: Path, options: Options) -> None:
-    settings = {"compression": "tiff_adobe_deflate", "description": _recipe(image, options), "dpi": _dpi_pair(options)}
+    settings: dict[str, Any] = {"compression": "tiff_adobe_deflate", "description": _recipe(image, options), "dpi": _dpi_pair(options)}
     settings["icc_profile"] = _profile(options)
     _write_pillow(image, _opaque_as_rgb(_encoded(image, options)), path, "TIFF", **settings)
 

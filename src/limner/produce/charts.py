@@ -49,19 +49,20 @@ def chart(
     Canvas
         ``.image()`` is the picture, ``.svg()`` the same as vectors.
     """
-    size = {"width": width, "height": height}
     if kind == "chromaticity":
-        return chromaticity_chart(gamuts, plane=plane, points=points, observer=observer, **size)
+        return chromaticity_chart(gamuts, plane=plane, points=points, observer=observer, width=width, height=height)
     if kind == "matching":
-        return matching_chart("xyz", observer=observer, **size)
+        return matching_chart("xyz", observer=observer, width=width, height=height)
     if kind in ("rgb-matching", "cones"):
-        return matching_chart(kind.removesuffix("-matching"), **size)
+        return matching_chart(kind.removesuffix("-matching"), width=width, height=height)
     if kind == "illuminants":
-        return illuminants_chart(lights, **size)
+        return illuminants_chart(lights, width=width, height=height)
     if kind == "metals":
         spectra = {name: metal_spectrum(name) for name in _METALS}
-        return spectra_chart(spectra, title="What metals reflect straight on", y_name="reflectance", greatest=1.1, **size)
+        return spectra_chart(
+            spectra, title="What metals reflect straight on", y_name="reflectance", greatest=1.1, width=width, height=height
+        )
     made = {"metamers": metamers_chart, "checker": checker_chart, "banding": banding_chart, "gamma": gamma_chart}.get(kind)
     if made is None:
         raise UnsupportedError(f"a chart must be one of {', '.join(CHARTS)}, got {kind!r}")
-    return made(**size)
+    return made(width=width, height=height)

@@ -81,17 +81,16 @@ def chromaticity_chart(
     _paint(plot, locus, plane)
     _draw_rim(plot, locus)
     for line, drawn in zip(_lines(len(spaces)), spaces, strict=True):
-        plot.line(*_in_plane(drawn.primaries, plane).T, line, Pen(plot.text / 7.0, join="round"), closed=True)
+        plot.outline(_in_plane(drawn.primaries, plane), line, Pen(plot.text / 7.0, join="round"))
     if temperatures:
         _draw_temperatures(plot, plane, observer)
     for name, white in _WHITES.items():
-        place = plot.at(*_in_plane(np.array(white), plane))
-        canvas.circle(*place, plot.text * 0.25, fill="#ffffff", stroke=INK, pen=plot.text / 12.0)
-        canvas.text(
-            place[0] - 0.4 * plot.text, place[1] - 0.7 * plot.text, name, INK, size=0.85 * plot.text, align="right", baseline="middle"
-        )
-    for place in plot.at(*_in_plane(marks, plane).T):
-        canvas.circle(*place, plot.text * 0.32, stroke=INK, pen=plot.text / 7.0)
+        x, y = plot.place(_in_plane(np.array(white), plane))
+        canvas.circle(x, y, plot.text * 0.25, fill="#ffffff", stroke=INK, pen=plot.text / 12.0)
+        canvas.text(x - 0.4 * plot.text, y - 0.7 * plot.text, name, INK, size=0.85 * plot.text, align="right", baseline="middle")
+    for mark in _in_plane(marks, plane):
+        x, y = plot.place(mark)
+        canvas.circle(x, y, plot.text * 0.32, stroke=INK, pen=plot.text / 7.0)
     whole = abs(ring_area(locus))
     pen = Pen(plot.text / 6.0)
     entries = [
@@ -117,7 +116,7 @@ def _paint(plot: Plot, locus: Floats, plane: str) -> None:
     rows, columns = np.mgrid[0 : canvas.height, 0 : canvas.width].astype(np.float64)
     low, high = plot.at(0.0, 0.0), plot.at(1.0, 1.0)
     where = np.stack([(columns - low[0]) / (high[0] - low[0]), (rows - low[1]) / (high[1] - low[1])], axis=-1)
-    mask = Canvas(canvas.width, canvas.height).fill(Path().polygon(plot.at(*locus.T)), "#ffffff").image().pixels[..., 3]
+    mask = Canvas(canvas.width, canvas.height).fill(Path().polygon(plot.at(locus[:, 0], locus[:, 1])), "#ffffff").image().pixels[..., 3]
     seen = mask > 0.0
     xy = where[seen] if plane == "xy" else np.asarray(xy_from_uv(where[seen]))
     light = np.asarray(xyz_from_xy(np.maximum(xy, 1e-4))) @ SPACES["srgb"].rgb_from_xyz.T
@@ -131,8 +130,8 @@ def _paint(plot: Plot, locus: Floats, plane: str) -> None:
 
 
 def _draw_rim(plot: Plot, locus: Floats) -> None:
-    plot.line(*locus.T, INK, plot.text / 10.0, closed=True)
-    ring = plot.at(*locus.T)
+    plot.outline(locus, INK, plot.text / 10.0)
+    ring = plot.at(locus[:, 0], locus[:, 1])
     middle = ring.mean(axis=0)
     for nm in _NM:
         place = ring[nm - 380]
@@ -140,7 +139,7 @@ def _draw_rim(plot: Plot, locus: Floats) -> None:
         out = np.array([way[1], -way[0]]) / max(float(np.hypot(*way)), 1e-9)
         out = -out if out @ (place - middle) < 0.0 else out
         end = place + 0.45 * plot.text * out
-        plot.canvas.line(*place, *end, INK, plot.text / 14.0)
+        plot.canvas.segments([[*place, *end]], INK, plot.text / 14.0)
         if nm in (470, 530, 550, 570, 590):  # too near to their neighbours for words
             continue
         at = place + 0.7 * plot.text * out
@@ -161,7 +160,7 @@ def _draw_temperatures(plot: Plot, plane: str, observer: str) -> None:
         across = np.array([way[1], -way[0]]) / float(np.hypot(*way))
         across = -across if across[1] < 0.0 else across
         first, last = near[1] - 0.3 * text * across, near[1] + 0.3 * text * across
-        plot.canvas.line(*first, *last, INK, text / 14.0)
+        plot.canvas.segments([[*first, *last]], INK, text / 14.0)
         at = near[1] + 0.55 * text * across
         align = "right" if across[0] < -0.5 else "left" if across[0] > 0.5 else "center"
         words = f"{kelvin} K" if kelvin == _KELVIN[0] else str(kelvin)

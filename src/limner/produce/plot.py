@@ -84,6 +84,17 @@ class Plot:
         with self.canvas.clipped(self.left, self.top, self.right - self.left, self.bottom - self.top):
             self.canvas.polyline(self.at(x, y), color, made, closed)
 
+    def outline(self, points: ArrayLike, color: Ink, pen: Pen | float = 2.0, closed: bool = True) -> None:
+        """Draw lines through points, (n, 2)."""
+        x, y = np.asarray(points, dtype=np.float64).T
+        self.line(x, y, color, pen, closed)
+
+    def place(self, point: ArrayLike) -> tuple[float, float]:
+        """Where one point, (2,), lies on the canvas."""
+        x, y = np.asarray(point, dtype=np.float64).tolist()
+        across, down = self.at(x, y).tolist()
+        return across, down
+
     def label(self, x: float, y: float, words: str, color: Ink = INK, align: str = "left", size: float = 1.0) -> None:
         """Write beside a point."""
         place = self.at(x, y)

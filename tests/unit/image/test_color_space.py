@@ -85,3 +85,32 @@ def test_what_a_file_cannot_say_is_refused(tmp_path: Path, name: str, options: d
     with pytest.raises(UnsupportedError, match=said):
         _picture().save(tmp_path / name, **options)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "space", "bits", "error"),
+    [
+        ("a.png", "display_p3", 16, 2e-4), ("a.png", "prophoto", 16, 2e-4), ("a.png", "rec2100_pq", 16, 5e-4),
+        ("a.png", "rec2100_hlg", 16, 5e-4),
+        ("a.tiff", "adobe_rgb", 8, 0.012), ("a.webp", "rec2020", 8, 0.012), ("a.exr", "acescg", 32, 2e-6),
+    ],
+)  # fmt: skip
+def test_what_is_saved_in_another_space_is_opened_as_it_was(tmp_path: Path, name: str, space: str, bits: int, error: float) -> None:
+    """There and back through the file: its profile, code or chromaticities are read again, up to the rounding of its numbers."""
+    image = _picture()
+    image.save(tmp_path / name, color_space=space, bits=bits)
+    assert Image.open(tmp_path / name).pixels == pytest.approx(image.pixels, abs=error)
+
+
+def test_profiles_of_others_are_read(tmp_path: Path) -> None:
+    """LittleCMS's sRGB is sRGB, to the bit; broken, cut and foreign profiles are passed over."""
+    pillow, cms = pytest.importorskip("PIL.Image"), pytest.importorskip("PIL.ImageCms")
+    codes = np.random.default_rng(6).integers(0, 256, (4, 4, 3), dtype=np.uint8)
+    expected = None
+    srgb = cms.ImageCmsProfile(cms.createProfile("sRGB")).tobytes()
+    lab = cms.ImageCmsProfile(cms.createProfile("LAB")).tobytes()
+    for profile in (None, srgb, lab, b"", srgb[:200], icc_profile("display_p3")[:300], bytes(300)):
+        pillow.fromarray(codes).save(tmp_path / "picture.png", icc_profile=profile)
+        found = Image.open(tmp_path / "picture.png").pixels
+        expected = found if expected is None else expected
+        assert np.array_equal(found, expected)

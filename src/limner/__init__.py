@@ -18,10 +18,22 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import draw
+    from .artistic.lines import Drawing, FeatureLine, drawing_of
+    from .artistic.style import LineLook, LineStyle
+    from .color.convert import convert_color
+    from .color.difference import color_difference
+    from .color.gamut import fit_to_gamut
+    from .color.light import light_color, rgb_from_reflectance
+    from .color.metals import metal_color
+    from .color.spectrum import Spectrum
+    from .color.transfer import gamma_from_match
     from .curves.arc_length import ArcLength
     from .curves.curve import Parametric, Spline
     from .draw.color_bar import ColorBar, with_color_bar
     from .errors import FileFormatError, LimnerError, LimnerWarning, RenderError, SceneError, UnsupportedError
+    from .explain.doctor import doctor
+    from .explain.explain import Explanation, explain
+    from .explain.findings import Diagnosis, Finding
     from .files.interop import to_trimesh
     from .files.load import load
     from .files.open_image import open_image
@@ -29,6 +41,7 @@ if TYPE_CHECKING:
     from .files.report import LoadEntry, LoadReport, load_report
     from .files.save_mesh import save_model
     from .files.scene_file import save_scene, settings_of
+    from .image.denoise import denoised
     from .image.image import Image
     from .mesh import primitives, subdivide
     from .mesh.adjacency import adjacency
@@ -46,14 +59,18 @@ if TYPE_CHECKING:
     from .mesh.unwrap.unwrap import uv_unwrap
     from .produce import dataset
     from .produce.animate import animate, write_animation
+    from .produce.charts import chart
+    from .produce.draw_sheet import technical_sheet
+    from .produce.drawing import Plate, drawing
     from .produce.stages import stages
+    from .produce.stylized import stylized
     from .produce.thumbnails import thumbnails
     from .produce.turntable import turntable, write_turntable
     from .produce.uv_chart import uv_chart
     from .produce.views import views
     from .produce.wireframe import wireframe
     from .progress import Progress
-    from .raycaster import RayCaster
+    from .raycaster import AllHits, RayCaster, Visits
     from .render import Renderer, render
     from .scene import distance
     from .scene.animation import Animation, FieldChannel, NodeChannel, WeightsChannel
@@ -98,6 +115,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "AllHits",
     "AmbientLight",
     "Animation",
     "Anisotropy",
@@ -114,6 +132,7 @@ __all__ = [
     "Cone",
     "CoolToWarm",
     "Cylinder",
+    "Diagnosis",
     "Dielectric",
     "Difference",
     "DiffuseTransmission",
@@ -122,9 +141,13 @@ __all__ = [
     "DiskLight",
     "Displacement",
     "DistanceField",
+    "Drawing",
     "Environment",
+    "Explanation",
+    "FeatureLine",
     "FieldChannel",
     "FileFormatError",
+    "Finding",
     "Fog",
     "Gradient",
     "Image",
@@ -134,6 +157,8 @@ __all__ = [
     "Lambert",
     "LimnerError",
     "LimnerWarning",
+    "LineLook",
+    "LineStyle",
     "LoadEntry",
     "LoadReport",
     "Marble",
@@ -147,6 +172,7 @@ __all__ = [
     "OrthographicCamera",
     "Parametric",
     "Plane",
+    "Plate",
     "PointCloud",
     "PointLight",
     "Progress",
@@ -163,6 +189,7 @@ __all__ = [
     "Sheen",
     "Skin",
     "Solid",
+    "Spectrum",
     "Specular",
     "Sphere",
     "SphereLight",
@@ -180,6 +207,7 @@ __all__ = [
     "UnsupportedError",
     "UnwrapReport",
     "Variant",
+    "Visits",
     "Volume",
     "WeightsChannel",
     "Wood",
@@ -188,27 +216,42 @@ __all__ = [
     "animate",
     "boolean",
     "builtin",
+    "chart",
     "color_by",
+    "color_difference",
+    "convert_color",
     "dataset",
+    "denoised",
     "displaced",
     "distance",
+    "doctor",
     "draw",
+    "drawing",
+    "drawing_of",
+    "explain",
+    "fit_to_gamut",
+    "gamma_from_match",
+    "light_color",
     "load",
     "load_report",
     "marching_cubes",
     "mesh_from_polygons",
+    "metal_color",
     "open_image",
     "primitives",
     "project_uvs",
     "read_texels",
     "render",
     "repair",
+    "rgb_from_reflectance",
     "save_model",
     "save_scene",
     "settings_of",
     "simplify",
     "stages",
+    "stylized",
     "subdivide",
+    "technical_sheet",
     "thumbnails",
     "to_trimesh",
     "topology_report",
@@ -230,10 +273,22 @@ __all__ = [
 _ORIGINAL_NAMES = {"Camera": "PerspectiveCamera"}
 
 _HOMES = {
+    "artistic.lines": ("Drawing", "FeatureLine", "drawing_of"),
+    "artistic.style": ("LineLook", "LineStyle"),
+    "color.convert": ("convert_color",),
+    "color.difference": ("color_difference",),
+    "color.gamut": ("fit_to_gamut",),
+    "color.light": ("light_color", "rgb_from_reflectance"),
+    "color.metals": ("metal_color",),
+    "color.spectrum": ("Spectrum",),
+    "color.transfer": ("gamma_from_match",),
     "curves.arc_length": ("ArcLength",),
     "curves.curve": ("Parametric", "Spline"),
     "draw.color_bar": ("ColorBar", "with_color_bar"),
     "errors": ("FileFormatError", "LimnerError", "LimnerWarning", "RenderError", "SceneError", "UnsupportedError"),
+    "explain.doctor": ("doctor",),
+    "explain.explain": ("Explanation", "explain"),
+    "explain.findings": ("Diagnosis", "Finding"),
     "files.interop": ("to_trimesh",),
     "files.load": ("load",),
     "files.open_image": ("open_image",),
@@ -241,6 +296,7 @@ _HOMES = {
     "files.report": ("LoadEntry", "LoadReport", "load_report"),
     "files.save_mesh": ("save_model",),
     "files.scene_file": ("save_scene", "settings_of"),
+    "image.denoise": ("denoised",),
     "image.image": ("Image",),
     "mesh.adjacency": ("adjacency",),
     "mesh.boolean": ("boolean",),
@@ -256,14 +312,18 @@ _HOMES = {
     "mesh.unwrap.distortion": ("UnwrapReport", "unwrap_report", "uv_distortion"),
     "mesh.unwrap.unwrap": ("uv_unwrap",),
     "produce.animate": ("animate", "write_animation"),
+    "produce.charts": ("chart",),
+    "produce.draw_sheet": ("technical_sheet",),
+    "produce.drawing": ("Plate", "drawing"),
     "produce.stages": ("stages",),
+    "produce.stylized": ("stylized",),
     "produce.thumbnails": ("thumbnails",),
     "produce.turntable": ("turntable", "write_turntable"),
     "produce.uv_chart": ("uv_chart",),
     "produce.views": ("views",),
     "produce.wireframe": ("wireframe",),
     "progress": ("Progress",),
-    "raycaster": ("RayCaster",),
+    "raycaster": ("AllHits", "RayCaster", "Visits"),
     "render": ("Renderer", "render"),
     "scene.animation": ("Animation", "FieldChannel", "NodeChannel", "WeightsChannel"),
     "scene.camera": ("Camera", "OrthographicCamera"),
@@ -323,6 +383,8 @@ class _Package(ModuleType):
     def __setattr__(self, name: str, value: Any) -> None:
         if name == "render" and isinstance(value, ModuleType):
             value = value.render
+        if name == "explain" and isinstance(value, ModuleType):
+            return
         super().__setattr__(name, value)
 
 

@@ -22,14 +22,13 @@ def layer_row(material: Any) -> Any:
 
 
 if MODE == "compiled":
-    from numba.extending import overload
+    from numba.core import types
+    from numba.extending import lower_builtin, type_callable
 
-    def _layer_row(material: Any) -> Any:
-        """Stands for the Python function in kernels."""
+    @type_callable(layer_row)
+    def _type_of_row(context: Any) -> Any:
+        return lambda material: material if _MARK in material.fields else types.none
 
-    def _found(material: Any) -> Any:
-        if _MARK in material.fields:
-            return lambda material: material
-        return lambda material: None
-
-    overload(layer_row, inline="always", jit_options={"_nrt": False})(_found)
+    @lower_builtin(layer_row, types.Record)
+    def _lowered_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.get_dummy_value() if signature.return_type == types.none else arguments[0]

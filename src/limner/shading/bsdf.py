@@ -16,10 +16,10 @@ from .bump import bumped_normal
 from .cool_to_warm import cool_to_warm
 from .fresnel import schlick_weight
 from .lambert import eval_lambert
-from .layer_row import layer_row
+from .layer_row import if_layered, layer_row
 from .layered import eval_layers
 from .layers import resolve_layers
-from .lobes import Bsdf, Layers, layers_of, rough_matte, with_layers, with_lobes
+from .lobes import Bsdf, Layers, no_layers, rough_matte, with_layers, with_lobes
 from .microfacet import eval_ggx
 from .normal_map import mapped_normal
 from .phong import eval_blinn_phong, eval_phong
@@ -170,7 +170,7 @@ def resolve(material, instance, point: SurfacePoint, textures, texels) -> Bsdf:
         ambient = ka
     kind, bits = material["kind"], np.int64(material["layers"])
     row, f0d = layer_row(material), material["dielectric_f0"]
-    layers = layers_of(row, point.u)
+    layers = if_layered(row, no_layers(point.u))
     if kind == BLINN_PHONG:
         ks = _color3(material["specular"]) * _textured(material["specular_texture"], point, textures, texels)
         ks = ks * material["specular_scale"]

@@ -11,7 +11,7 @@ from typing import Any
 
 from .._jit import MODE
 
-__all__ = ["layer_row"]
+__all__ = ["if_layered", "layer_row"]
 
 _MARK = "has_layers"
 
@@ -19,6 +19,11 @@ _MARK = "has_layers"
 def layer_row(material: Any) -> Any:
     """The row itself, in a door that knows layers; else None."""
     return material if _MARK in material.dtype.names else None
+
+
+def if_layered(row: Any, value: Any) -> Any:
+    """A value, in a door that knows layers; else None."""
+    return None if row is None else value
 
 
 if MODE == "compiled":
@@ -32,3 +37,11 @@ if MODE == "compiled":
     @lower_builtin(layer_row, types.Record)
     def _lowered_row(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return context.get_dummy_value() if signature.return_type == types.none else arguments[0]
+
+    @type_callable(if_layered)
+    def _type_of_value(context: Any) -> Any:
+        return lambda row, value: types.none if row == types.none else value
+
+    @lower_builtin(if_layered, types.Any, types.Any)
+    def _lowered_value(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return context.get_dummy_value() if signature.return_type == types.none else arguments[1]

@@ -14,7 +14,7 @@ from .._jit import kernel
 from ..kernel.lanes import spread
 from ..kernel.vec import ZERO, Color, Vec3
 
-__all__ = ["Bsdf", "Layers", "layers_of", "no_layers", "rough_matte", "with_f90", "with_layers", "with_lobes"]
+__all__ = ["Bsdf", "Layers", "no_layers", "rough_matte", "with_f90", "with_layers", "with_lobes"]
 
 f32 = np.float32
 
@@ -60,14 +60,6 @@ class Bsdf(NamedTuple):
     dielectric_f0: np.float32  # what the microfacets over a matte base reflect, straight on
     layered: int  # bits: which of the layers there are
     layers: Layers | None  # None, known to the compiler: in a door that knows of no layers
-
-
-@kernel
-def layers_of(row, like: np.float32) -> Layers | None:
-    """The layers of a material that has none, as the door has them that took its row (`layer_row`)."""
-    if row is None:
-        return None
-    return no_layers(like)
 
 
 @kernel

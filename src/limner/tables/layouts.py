@@ -205,19 +205,12 @@ MATERIAL = np.dtype(
         ("transmission_texture", i32),
         ("behind_texture", i32),
         ("behind_color_texture", i32),
+        ("no_layers", i32),  # nothing but its name, by which doors are told apart
     ],
     align=True,
 )
 
-LAYERED_MATERIAL = np.dtype(
-    {
-        "names": [*MATERIAL.names, "has_layers"],
-        "formats": [*(kind for kind, _ in MATERIAL.fields.values()), i32],
-        "offsets": [*(place for _, place in MATERIAL.fields.values()), MATERIAL.fields["layers"][1]],
-        "itemsize": MATERIAL.itemsize,
-    },
-    align=True,
-)
+LAYERED_MATERIAL = np.dtype([(name.replace("no_layers", "has_layers"), *kind) for name, *kind in MATERIAL.descr], align=True)
 """The same bytes, as doors take them that know layers: see `limner.shading.layer_row`."""
 
 LIGHT = np.dtype(

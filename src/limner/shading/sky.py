@@ -211,6 +211,9 @@ def _from_layers(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
         if bits & FILM != 0:
             f0 = f0 * (ONE - layers.film) + film_reflectance(f0, layers.film_ior, layers.film_thickness, n_v) * layers.film
         share = facets_share(f0, f90, n_v, roughness)
+        if bits & ANISOTROPY != 0:
+            # Of a stretched lobe about as much as of its two widths, each all round.
+            share = (share + facets_share(f0, f90, n_v, sqrt(layers.along))) * _HALF
         if bits & COMPENSATED != 0:
             share = share * energy_gain(f0, n_v, roughness)
         total = total + share * _mirrored(lighting, reflect(-wo, n), roughness)

@@ -12,7 +12,15 @@ from limner.scene.environment import Environment
 from limner.scene.light import DirectionalLight
 from limner.scene.material import Lambert, Material, MetallicRoughness
 from limner.scene.material_extensions import (
-    Anisotropy, Clearcoat, Conductor, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume,
+    Anisotropy,
+    Clearcoat,
+    Conductor,
+    DiffuseTransmission,
+    Iridescence,
+    Sheen,
+    Specular,
+    Transmission,
+    Volume,
 )  # fmt: skip
 from limner.scene.node import Node
 from limner.scene.scene import Scene

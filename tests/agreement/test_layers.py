@@ -98,8 +98,10 @@ def test_what_a_solid_absorbs():
 
 
 def test_a_thin_sheet_is_looked_through():
-    """A polished sheet is no lens: what is behind is seen straight on, tinted twice by a hollow ball; a rough one only blurs it."""
-    polished = MetallicRoughness((0.9, 0.5, 0.25), metallic=0.0, roughness=0.0, ior=1.0, transmission=Transmission())
+    """A polished sheet is no lens: what is behind is seen straight on, tinted twice by a hollow ball."""
+    polished = MetallicRoughness(
+        (0.9, 0.5, 0.25), metallic=0.0, roughness=0.0, ior=1.0, transmission=Transmission(), double_sided=True
+    )
     expected = np.array([0.9, 0.5, 0.25]) ** 2
     for renderer in ("ray", "path"):
         seen = picture(renderer, polished, geometry=Sphere(1.0), samples=16)[8:12, 8:12, :3].mean(axis=(0, 1))

@@ -147,5 +147,6 @@ def with_solid_blends(tables: SceneTables) -> SceneTables:
     materials = tables.materials.copy()
     materials["alpha_mode"][blended] = layouts.MASK
     materials["alpha_cutoff"][blended] = 0.5
-    materials["alpha_mode"][materials["kind"] == layouts.DIELECTRIC] = layouts.OPAQUE
+    seen = (materials["kind"] == layouts.DIELECTRIC) | (materials["layers"] & layouts.SOLID != 0)
+    materials["alpha_mode"][seen] = layouts.OPAQUE
     return tables._replace(materials=materials)

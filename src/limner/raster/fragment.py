@@ -11,22 +11,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..kernel.lanes import all_of, at, f32x8, i32x8, lane, load8, max, min, put, splat8, splat8_int, spread, store8, where
-from ..kernel.vec import ONE, ZERO, Color, normalize
+from ..kernel.vec import ONE, ZERO, Color, luminance, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.bsdf import resolve
+from ..shading.layered import far_side, veil
 from ..shading.lights import ambient_radiance, illuminate, lit_radiance
 from ..shading.sky import ambient_from_sky, sky_radiance
 from ..shading.surface import Barycentrics, SurfacePoint, barycentrics_at, flip_to_front, surface_at, with_normal
 from ..shading.visible import direction_to_eye, visible_point
-from ..tables.layouts import AMBIENT_LIGHT, SHADOW_CATCHER
+from ..tables.layouts import AMBIENT_LIGHT, BEHIND, SHADOW_CATCHER, SHEET, VOLUME
 from .layouts import INSTANCE_WORD, MATERIAL_WORD, PER_TRIANGLE, PER_VERTEX, TRIANGLE_WORD
 from .shadow import lit_share, seen_light
 
 __all__ = ["Fragments", "shade_fragments"]
 
 f32, i32 = np.float32, np.int32
+_LEAST_ALPHA = f32(1.0 / 64.0)
 _THIRD = f32(1.0 / 3.0)
 _COUNTING = np.arange(8, dtype=np.int32)
 
@@ -136,6 +138,30 @@ def _sort_groups(fragments: Fragments, n: int, n_groups: int):
 
 
 @kernel
+def _let_through(radiance: Color, bsdf, layers, wo, lights, point: SurfacePoint):
+    """(radiance, alpha) with what shines through from behind, and as thin as it is clear."""
+    if layers is None:
+        return radiance, bsdf.alpha
+    if bsdf.layered & BEHIND != 0:
+        radiance = radiance + _from_behind(bsdf, wo, lights, point)
+    if bsdf.layered & (SHEET | VOLUME) == 0:
+        return radiance, bsdf.alpha
+    # Straight alpha: what is reflected must not fade with the veil.
+    veiled = max(bsdf.alpha * (ONE - min(luminance(veil(bsdf, wo)), ONE)), _LEAST_ALPHA)
+    return radiance * (bsdf.alpha / veiled), veiled
+
+
+@outlined
+def _from_behind(bsdf, wo, lights, point: SurfacePoint) -> Color:
+    """What lights on the far side shine through, unshadowed."""
+    far, towards, total = far_side(bsdf), reflect(wo, bsdf.ns), bsdf.emission * ZERO
+    for k in range(lights.shape[0]):
+        if lights[k]["kind"] != AMBIENT_LIGHT:
+            total = total + lit_radiance(far, towards, illuminate(lights[k], point.position))
+    return total
+
+
+@kernel
 def _shade(point: SurfacePoint, instance, material, camera, scene, lighting, shadowing):
     """(radiance, alpha) of a surface point: emission, ambient light, the sky, and every light; without shadows, if `shadowing` is None."""
     _, _, _, _, _, _, _, lights, textures, texels = scene
@@ -153,7 +179,7 @@ def _shade(point: SurfacePoint, instance, material, camera, scene, lighting, sha
             radiance = radiance + seen_light(lights[k], point, bsdf, wo, scene, shadowing)
         else:
             radiance = radiance + lit_radiance(bsdf, wo, illuminate(lights[k], point.position))
-    return radiance, bsdf.alpha
+    return _let_through(radiance, bsdf, bsdf.layers, wo, lights, point)
 
 
 @kernel

@@ -111,6 +111,16 @@ _DRAW_SHADOWED = Door(
     "the raster renderer with shadows",
 )  # fmt: skip
 
+_DRAW_LAYERED, _DRAW_LAYERED_SHADOWED = (
+    Door(
+        "limner.raster.tile",
+        function,
+        tuple(Array(layouts.LAYERED_MATERIAL, 1) if kind == Array(layouts.MATERIAL, 1) else kind for kind in door.signature),
+        f"{door.what} and layered materials",
+    )
+    for function, door in (("draw_layered_tile", _DRAW), ("draw_layered_shadowed_tile", _DRAW_SHADOWED))
+)
+
 _DRAW_AOV = Door(
     "limner.raster.aov_tile",
     "draw_aov_tile",
@@ -228,12 +238,17 @@ def prepare(
     )  # fmt: skip
     words = _words(bins.screen)
     weights = np.ones(len(sample_places), dtype=np.float32) if sample_weights is None else sample_weights
+    has_layers = bool(tables.materials["layers"].any())
+    if has_layers:
+        tables = tables._replace(materials=tables.materials.view(layouts.LAYERED_MATERIAL))
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
 
     def bound() -> Callable[..., None]:
         room = tile_size * tile_size * (8 if multisample and not has_blend else 1)
         scratch = memory.of_thread(room, lambda: _scratch(room))
-        door, rays = (_DRAW, ()) if shadows is None else (_DRAW_SHADOWED, _ray_arguments(shadows, tables))
+        door, rays = (_DRAW_LAYERED if has_layers else _DRAW), ()
+        if shadows is not None:
+            door, rays = (_DRAW_LAYERED_SHADOWED if has_layers else _DRAW_SHADOWED), _ray_arguments(shadows, tables)
         return door.bind(
             *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,
             background, *rays, *scratch, film.reshape(-1, 4),

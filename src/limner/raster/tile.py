@@ -30,7 +30,7 @@ from .fragment import Fragments, shade_fragments
 from .layouts import SUBPIXELS
 from .shadow import Shadowing
 
-__all__ = ["draw_shadowed_tile", "draw_tile", "farthest_depth"]
+__all__ = ["draw_layered_shadowed_tile", "draw_layered_tile", "draw_shadowed_tile", "draw_tile", "farthest_depth"]
 
 f32, i32 = np.float32, np.int32
 _GRID_STEP = f32(1.0 / SUBPIXELS)
@@ -310,3 +310,7 @@ def draw_shadowed_tile(
         has_blend, multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film,
         tile, first_column, first_row, columns, rows, first_sample, last_sample,
     )  # fmt: skip
+
+
+draw_layered_tile, draw_layered_shadowed_tile = draw_tile, draw_shadowed_tile
+"""The same, compiled for scenes with layered materials."""

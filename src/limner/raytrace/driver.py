@@ -26,16 +26,21 @@ _ENDS, _NO_ENDS = Array(np.float64, 2), Array(np.float64, 1)
 
 
 class _Doors:
-    """A door for scenes of triangles, spheres and planes, and one that knows all exact shapes and triangles that move: it takes longer to
-    compile, and only scenes that have some wait for it.
+    """A door for scenes of triangles, spheres and planes, one that knows all exact shapes and triangles that move, and one that knows
+    materials with layers, too: these take longer to compile, and only scenes that have some wait for them.
     """
 
     def __init__(self, module: str, function: str, signature: Signature, what: str) -> None:
         self._usual = Door(module, function, tuple(_NO_ENDS if kind == _ENDS else kind for kind in signature), what)
         self._exact = Door(module, f"{function}_exact", signature, f"{what} with exact shapes")
+        if Array(layouts.MEDIUM, 1) in signature:  # where light is asked for
+            layered = tuple(Array(layouts.LAYERED_MATERIAL, 1) if kind == Array(layouts.MATERIAL, 1) else kind for kind in signature)
+            self._layered = Door(module, f"{function}_layered", layered, f"{what} with layered materials")
 
-    def serving(self, needs_exact: bool) -> Door:
+    def serving(self, needs_exact: bool, needs_layers: bool = False) -> Door:
         """The door for a scene."""
+        if needs_layers:
+            return self._layered
         return self._exact if needs_exact else self._usual
 
 
@@ -150,15 +155,21 @@ class Stage(NamedTuple):
     instants: Instants
     background: NDArray[np.float32]
 
+    def needs_layers(self) -> bool:
+        """Whether a material has a coat, a film, an inside …"""
+        return bool(self.tables.materials["layers"].any())
+
     def needs_exact(self) -> bool:
-        """Whether there are other exact shapes than spheres, planes and boxes, or triangles that move."""
-        return _has_exact_shapes(self.tables) or len(self.instants.moving) > 0
+        """Whether there are other exact shapes than spheres, planes and boxes, or triangles that move; or a door that meets them."""
+        return _has_exact_shapes(self.tables) or len(self.instants.moving) > 0 or self.needs_layers()
 
     def arguments(self) -> tuple[Any, ...]:
         """The first arguments of a door, for one thread: what moves is moved in copies."""
         tables, view = self.tables, self.view
         if len(self.instants.cameras):
             tables, view = tables._replace(instances=tables.instances.copy()), view._replace(camera=view.camera.copy())
+        if self.needs_layers():
+            tables = tables._replace(materials=tables.materials.view(layouts.LAYERED_MATERIAL))
         return (*tables, *self.tree, *self.lighting, *view, self.media, *self.instants)
 
 
@@ -177,7 +188,7 @@ def prepare(stage: Stage, settings: Settings, film: NDArray[np.float32]) -> Call
 
     def bound() -> Callable[..., None]:
         scratch = _Scratch(stage.needs_exact())
-        return _TRACE.serving(stage.needs_exact()).bind(
+        return _TRACE.serving(stage.needs_exact(), stage.needs_layers()).bind(
             *stage.arguments(), places, stage.background, rules, scratch.pending, scratch.waiting, *scratch.walk, film
         )
 
@@ -190,7 +201,7 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
     rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
-        return _TRACE_PATH.serving(stage.needs_exact()).bind(
+        return _TRACE_PATH.serving(stage.needs_exact(), stage.needs_layers()).bind(
             *stage.arguments(), stage.background, rules, *_Scratch(stage.needs_exact()).walk, film
         )
 

@@ -19,20 +19,22 @@ import numpy as np
 from .._jit import kernel, outlined
 from ..accel.walk import first_hit
 from ..kernel.sampler import Sampler, draw_1d, draw_2d
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
 from ..shading.bsdf import eval_bsdf, resolve, seen_in_mirrors, shading_normal, tint_at
 from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.glossy import scatter_in_square
+from ..shading.layered import facets_alone, far_share, far_side, is_polished, one_channel, veil, without_glass
+from ..shading.layers import glass_share, interface_alpha
 from ..shading.lights import ambient_level
 from ..shading.medium import cross_surface, filling, haze_of, passed
 from ..shading.sample import pdf_bsdf, sample_bsdf
 from ..shading.sky import pdf_sky, sample_sky, sky_radiance
-from ..shading.surface import SurfacePoint, flip_to_front
+from ..shading.surface import SurfacePoint, flip_to_front, turned_over
 from ..shading.visible import direction_to_eye
-from ..tables.layouts import AMBIENT_LIGHT, DIELECTRIC, DIRECTIONAL_LIGHT, SHADOW_CATCHER
+from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, SHADOW_CATCHER
 from ..visibility.hit import first_hit_point, hit_point, lens_hit_point
 from ..visibility.shadow import transmittance
 from ..visibility.spawn import off_surface
@@ -49,8 +51,8 @@ _FIRST_ROULETTE = 5
 _LEAST_SURVIVAL = f32(0.05)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
-_PER_SURFACE = 5
-_EMITTER, _SKY, _DIRECTION, _LOBE_AND_ROULETTE, _COVERAGE = 0, 1, 2, 3, 4
+_PER_SURFACE = 6
+_EMITTER, _SKY, _DIRECTION, _LOBE_AND_ROULETTE, _COVERAGE, _KIND = 0, 1, 2, 3, 4, 5
 _FIRST_LIGHT = -3
 
 
@@ -240,7 +242,9 @@ def path_radiance(
         material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
         is_front = dot(point.n, wo) >= ZERO
         point = flip_to_front(point, wo)
-        if material["kind"] == DIELECTRIC:
+        glass = glass_share(material, point, textures, texels)
+        # A surface that is part glass and part something else is the one or the other, by lot.
+        if glass >= ONE or (glass > ZERO and draw_1d(sampler, dimension + _KIND) < glass):
             crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
             untouched, from_camera, t_min, t_max = False, False, ZERO, _INFINITY
             if crossing.before == crossing.after:
@@ -249,15 +253,20 @@ def path_radiance(
                 continue
             if scatterings >= rules.max_depth:
                 break
-            roughness2 = material["roughness"] * material["roughness"]
+            roughness2 = interface_alpha(material, point, textures, texels)
             if roughness2 > ZERO:
-                bsdf = resolve(material, owner, point, textures, texels)
+                bsdf = facets_alone(resolve(material, owner, point, textures, texels))
                 total = total + throughput * _from_lights(
                     scene, accelerator, media, inside, rules, sampler, light_dimension, point, bsdf, True, wo, stack
                 )
             light_dimension -= lights.shape[0]
             u, v = draw_2d(sampler, dimension)
             n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
+            if media[crossing.before]["dispersion"] + media[crossing.after]["dispersion"] > ZERO:
+                throughput = one_channel(throughput, draw_1d(sampler, dimension + _COVERAGE))
+                bluer = ZERO if throughput.g > ZERO else (ONE if throughput.b > ZERO else -ONE)
+                n_i = n_i + bluer * media[crossing.before]["dispersion"]
+                n_t = n_t + bluer * media[crossing.after]["dispersion"]
             ns = shading_normal(material, owner, point, textures, texels)
             ways = meet_interface(material["fresnel"], roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
@@ -285,11 +294,26 @@ def path_radiance(
                     coverage = ONE - _lit_share(
                         scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, u1, v1, u2, v2, stack
                     )
-            if coverage < ONE and draw_1d(sampler, dimension + _COVERAGE) >= coverage:
+            lot = ZERO
+            far = far_share(bsdf, wo)
+            if coverage < ONE or far > ZERO:
+                lot = draw_1d(sampler, dimension + _COVERAGE)
+            if coverage < ONE and lot >= coverage:
                 # Straight on: neither the direction's density nor what is owed to the lights changes.
                 o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
                 dimension += _PER_SURFACE
                 continue
+            if far > ZERO:
+                if lot >= far * coverage:
+                    far = far - ONE
+                elif is_polished(bsdf):
+                    # As above, but for what the sheet keeps.
+                    throughput = throughput * veil(bsdf, wo) * (ONE / far)
+                    o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
+                    dimension += _PER_SURFACE
+                    continue
+            if glass > ZERO:
+                bsdf = without_glass(bsdf, glass)
             if max_component(bsdf.emission) > ZERO and (is_front or material["double_sided"] != 0) and not was_asked:
                 weight = ONE
                 if not by_chance_only:
@@ -297,6 +321,10 @@ def path_radiance(
                 total = total + throughput * bsdf.emission * weight
             if scatterings >= rules.max_depth or material["kind"] == SHADOW_CATCHER:
                 break
+            if far != ZERO:
+                throughput = throughput * (ONE / abs(far))
+                if far > ZERO:
+                    point, bsdf, wo = turned_over(point), far_side(bsdf), reflect(wo, bsdf.ns)
             total = total + throughput * _direct(
                 scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, dimension, point, bsdf, wo, stack
             )

@@ -10,7 +10,7 @@ from .path import path_radiance
 from .rules import rules_of, sampler_of
 from .start import TIME, media_of_eye, set_instant
 
-__all__ = ["trace_path_tile", "trace_path_tile_exact"]
+__all__ = ["trace_path_tile", "trace_path_tile_exact", "trace_path_tile_layered"]
 
 
 @kernel
@@ -47,3 +47,6 @@ def trace_path_tile(
 
 trace_path_tile_exact = trace_path_tile
 """The same, compiled for scenes with exact shapes beside spheres and planes."""
+
+trace_path_tile_layered = trace_path_tile
+"""The same, compiled for scenes with layered materials, too."""

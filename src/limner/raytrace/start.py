@@ -8,7 +8,7 @@ from .._jit import kernel, outlined
 from ..accel.walk import first_hit
 from ..kernel.vec import ZERO, Vec3, dot
 from ..shading.medium import within, without
-from ..tables.layouts import DIELECTRIC, PERSPECTIVE
+from ..tables.layouts import PERSPECTIVE
 from ..visibility.hit import hit_point
 from ..visibility.spawn import off_surface
 
@@ -36,7 +36,7 @@ def media_around(scene, accelerator, p: Vec3, stack) -> int:
             break
         point = hit_point(scene, accelerator, hit, o, d)
         medium = i64(materials[point.material]["medium"])
-        if materials[point.material]["kind"] == DIELECTRIC:
+        if materials[point.material]["medium"] > 0:
             following = within(entered, medium) if dot(point.n, d) < ZERO else without(entered, medium)
             if following == entered and place <= _LAST_PLACE:
                 around, place = around + medium * place, place * _BYTE

@@ -12,7 +12,7 @@ from .rules import rules_of, sampler_of
 from .start import TIME, media_of_eye, set_instant
 from .whitted import radiance
 
-__all__ = ["trace_tile", "trace_tile_exact"]
+__all__ = ["trace_tile", "trace_tile_exact", "trace_tile_layered"]
 
 f32 = np.float32
 _HALF = f32(0.5)
@@ -63,3 +63,6 @@ def trace_tile(
 
 trace_tile_exact = trace_tile
 """The same, compiled for scenes with exact shapes beside spheres and planes."""
+
+trace_tile_layered = trace_tile
+"""The same, compiled for scenes with layered materials, too."""

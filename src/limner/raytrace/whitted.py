@@ -25,14 +25,15 @@ from ..shading.area_lights import has_area, pdf_light, sample_light
 from ..shading.bsdf import eval_bsdf, resolve, shading_normal, tint_at
 from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
-from ..shading.glossy import pdf_facets, sample_facets, scatter_in_square, without_facets
+from ..shading.glossy import eval_facets, pdf_facets, sample_facets, scatter_in_square, without_facets
+from ..shading.layered import facets_alone, far_share, far_side, is_polished, veil, without_glass
+from ..shading.layers import glass_share, interface_alpha
 from ..shading.lights import ambient_level, ambient_radiance
 from ..shading.medium import cross_surface, filling, haze_of, passed
-from ..shading.microfacet import eval_ggx
 from ..shading.sky import ambient_from_sky, sky_radiance
-from ..shading.surface import SurfacePoint, flip_to_front
+from ..shading.surface import SurfacePoint, flip_to_front, turned_over
 from ..shading.visible import direction_to_eye
-from ..tables.layouts import AMBIENT_LIGHT, DIELECTRIC, DIRECTIONAL_LIGHT, METALLIC_ROUGHNESS, SHADOW_CATCHER
+from ..tables.layouts import AMBIENT_LIGHT, DIRECTIONAL_LIGHT, METALLIC_ROUGHNESS, SHADOW_CATCHER
 from ..visibility.hit import first_hit_point, hit_point, lens_hit_point
 from ..visibility.shadow import transmittance
 from ..visibility.spawn import off_surface
@@ -71,7 +72,7 @@ def _balance(a: np.float32, b: np.float32) -> np.float32:
 def _is_seen_by_facets(bsdf, wo: Vec3, wi: Vec3, pdf: np.float32) -> Color:
     """What a light must not count twice: what rays reflected by microfacets find of it."""
     density = pdf_facets(bsdf, wo, wi)
-    return eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo) * _balance(density, pdf)
+    return eval_facets(bsdf, wo, wi) * _balance(density, pdf)
 
 
 @kernel
@@ -175,6 +176,17 @@ def _lit_share(
 
 
 @kernel
+def _far_radiance(
+    scene, accelerator, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, far, layers, wo: Vec3, stack
+) -> Color:
+    """Light from the far side of a surface that lets it through, both turned over; of what shines there, only lights."""
+    nothing = Color(ZERO, ZERO, ZERO)
+    if layers is None:
+        return nothing
+    return _with_lights(nothing, scene, accelerator, media, inside, rules, sampler, first, point, far, False, False, wo, stack)
+
+
+@kernel
 def _push(
     pending, waiting, top: int, o: Vec3, d: Vec3, throughput: Color, pdf: np.float32, reflections: int, inside: int, node: int,
     looks_through: int,
@@ -192,11 +204,10 @@ def _push(
 
 @outlined
 def _push_both(
-    pending, waiting, top: int, media, material, tint: Color, sampler: Sampler, first: int, point: SurfacePoint, ns: Vec3, d: Vec3,
-    throughput: Color, crossing, reflections: int, inside: int, node: int, looks_through: int,
+    pending, waiting, top: int, media, material, roughness2: np.float32, tint: Color, sampler: Sampler, first: int, point: SurfacePoint,
+    ns: Vec3, d: Vec3, throughput: Color, crossing, reflections: int, inside: int, node: int, looks_through: int,
 ) -> int:  # fmt: skip
     """Let the rays wait that leave the surface of a dielectric: the reflected one, and the refracted one."""
-    roughness2 = material["roughness"] * material["roughness"]
     u, v = _HALF, _HALF
     if roughness2 > ZERO:
         u, v = draw_2d(sampler, first + _WHICH_FACET)
@@ -297,7 +308,8 @@ def radiance(
             point = flip_to_front(point, wo)
             material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
             first = node * per_node
-            if material["kind"] == DIELECTRIC:
+            glass = glass_share(material, point, textures, texels)
+            if glass > ZERO:
                 crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
                 if straight:
                     clear = ZERO
@@ -306,8 +318,11 @@ def radiance(
                     node = (2 * node + 1) & _NODES
                     o, inside, t_min, t_max, t_done = off_surface(point, -point.n), crossing.inside, ZERO, _INFINITY, ZERO
                     continue
-                if material["roughness"] > ZERO:
-                    bsdf = resolve(material, owner, point, textures, texels)
+                roughness2 = interface_alpha(material, point, textures, texels)
+                whole = throughput
+                throughput = throughput * glass
+                if roughness2 > ZERO:
+                    bsdf = facets_alone(resolve(material, owner, point, textures, texels))
                     local = Color(ZERO, ZERO, ZERO)
                     total = total + throughput * _with_lights(
                         local, scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, True, wo, stack
@@ -316,11 +331,14 @@ def radiance(
                     tint = tint_at(material, point, textures, texels)
                     ns = shading_normal(material, owner, point, textures, texels)
                     top = _push_both(
-                        pending, waiting, top, media, material, tint, sampler, first + lights.shape[0], point, ns, d, throughput, crossing,
-                        reflections, inside, node, looks_through,
+                        pending, waiting, top, media, material, roughness2, tint, sampler, first + lights.shape[0], point, ns, d,
+                        throughput, crossing, reflections, inside, node, looks_through,
                     )  # fmt: skip
-            else:
+                throughput = whole * (ONE - glass)
+            if glass < ONE:
                 bsdf = resolve(material, owner, point, textures, texels)
+                if glass > ZERO:
+                    bsdf = without_glass(bsdf, glass)
                 alpha = bsdf.alpha
                 goes_on = reflections < rules.max_depth
                 glossy = rules.glossy != 0 and goes_on and material["kind"] == METALLIC_ROUGHNESS and max_component(bsdf.f0) > ZERO
@@ -334,8 +352,24 @@ def radiance(
                         scene, accelerator, lighting, media, inside, rules, sampler, first, point, bsdf, shown, glossy, wo, stack
                     )
                     total = total + throughput * local * bsdf.alpha
+                passing = Color(ONE - alpha, ONE - alpha, ONE - alpha)
+                if far_share(bsdf, wo) > ZERO:
+                    far, over, towards = far_side(bsdf), turned_over(point), reflect(wo, bsdf.ns)
+                    total = total + throughput * alpha * _far_radiance(
+                        scene, accelerator, media, inside, rules, sampler, first, over, far, far.layers, towards, stack
+                    )
+                    if is_polished(bsdf):
+                        passing = passing + veil(bsdf, wo) * alpha
+                    elif goes_on and max_component(far.f0) > ZERO:
+                        u, v = draw_2d(sampler, first + lights.shape[0] + _WHICH_FACET)
+                        facet = sample_facets(far, towards, u, v)
+                        if facet.pdf > ZERO and dot(facet.wi, over.n) > ZERO:
+                            top = _push(
+                                pending, waiting, top, off_surface(over, over.n), facet.wi, throughput * facet.weight * alpha, ZERO,
+                                reflections + 1, inside, (2 * node + 1) & _NODES, 0,
+                            )  # fmt: skip
                 if straight:
-                    clear = clear * (ONE - alpha)
+                    clear = clear * max_component(passing)
                 if goes_on and max_component(bsdf.mirror) > ZERO:
                     r = reflect(normalize(d), bsdf.ns)
                     if dot(r, point.n) > ZERO:
@@ -354,10 +388,10 @@ def radiance(
                             pending, waiting, top, off_surface(point, point.n), facet.wi, throughput * facet.weight * bsdf.alpha, facet.pdf,
                             reflections + 1, inside, (2 * node) & _NODES, 0,
                         )  # fmt: skip
-                if alpha < ONE:
+                if max_component(passing) > ZERO:
                     # What lies behind comes next, so that `straight` holds until the first ray is at its end. A ray of the camera
                     # keeps its origin, for what it meets is looked up by the raster point.
-                    throughput = throughput * (ONE - alpha)
+                    throughput = throughput * passing
                     node = (2 * node + 1) & _NODES
                     if straight:
                         t_min, t_done = hit.t + abs(hit.t) * _STEP, hit.t

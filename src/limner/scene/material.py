@@ -12,7 +12,17 @@ from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from ..errors import SceneError
 from ._values import Triple, finite, positive, triple, unit_interval
-from .material_extensions import Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume
+from .material_extensions import (
+    Anisotropy,
+    Clearcoat,
+    Conductor,
+    DiffuseTransmission,
+    Iridescence,
+    Sheen,
+    Specular,
+    Transmission,
+    Volume,
+)  # fmt: skip
 from .procedural import Pattern
 from .texture import AnyTexture, Texture
 
@@ -81,6 +91,9 @@ class Lambert:
         Height where the texture is 1, in the object's own units; below 0, heights are depths.
     alpha_texture, alpha_channel : Texture or pattern, optional, and "r" | "g" | "b" | "alpha"
         A channel of it multiplies `alpha`.
+    roughness_degrees : float in [0, 90]
+        How steep the surface is that looks flat, as the standard deviation of its slopes' angle: plaster and the full moon are brighter
+        towards the edge than ``kd/pi E`` says (Oren and Nayar 1994). 0: Lambert.
     """
 
     color: Triple = (0.8, 0.8, 0.8)
@@ -98,9 +111,11 @@ class Lambert:
     bump_scale: float = 1.0
     alpha_texture: AnyTexture | None = None
     alpha_channel: AlphaChannel = "r"
+    roughness_degrees: float = 0.0
 
     def __post_init__(self) -> None:
         _put_color(self, "color")
+        _put_number(self, "roughness_degrees", 0.0, 90.0)
         _put_color(self, "emission")
         _check_surface(self)
 
@@ -207,8 +222,15 @@ class MetallicRoughness:
     dispersion : float >= 0
         20 / V, V the Abbe number: how much more the blue is bent than the red. Crown glass 0.34, diamond 0.36, 0: nothing.
     clearcoat, sheen, specular, transmission, volume, anisotropy, iridescence, diffuse_transmission : optional
-        What glTF has extensions for, see `limner.scene.material_extensions`. They are kept, read and written; the renderers show the
-        material without them.
+        What glTF has extensions for, see `limner.scene.material_extensions`. `ray` and `path` follow light through a transmission, and
+        bend it where there is a volume with a thickness; only `path` tells the colours of `dispersion` apart. `raster` draws what lets
+        light through as a grey veil.
+    conductor : Conductor, optional
+        A metal by its measured index of refraction. `base_color` then multiplies what it reflects, as a lacquer would; (1, 1, 1) is the
+        metal itself. For `metallic` 1.
+    energy_compensation : bool
+        Give back what a rough surface loses because light that is reflected from facet to facet is not followed: at roughness 1 more
+        than half. glTF's appendix B is without, and so are most viewers, which is why it is not the default.
     variants : tuple of Variant
         What stands in its place where the scene is shown in another variant, see `limner.scene.variants.with_variant`.
     """
@@ -245,6 +267,8 @@ class MetallicRoughness:
     iridescence: Iridescence | None = None
     diffuse_transmission: DiffuseTransmission | None = None
     variants: tuple[Variant, ...] = ()
+    conductor: Conductor | None = None
+    energy_compensation: bool = False
 
     def __post_init__(self) -> None:
         _put_color(self, "base_color")
@@ -433,5 +457,5 @@ Material: TypeAlias = Lambert | BlinnPhong | MetallicRoughness | ShadowCatcher |
 
 _PARTS: dict[str, type] = {
     "clearcoat": Clearcoat, "sheen": Sheen, "specular": Specular, "transmission": Transmission, "volume": Volume,
-    "anisotropy": Anisotropy, "iridescence": Iridescence, "diffuse_transmission": DiffuseTransmission,
+    "anisotropy": Anisotropy, "iridescence": Iridescence, "diffuse_transmission": DiffuseTransmission, "conductor": Conductor,
 }  # fmt: skip

@@ -9,14 +9,16 @@ that is named multiplies the number.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, TypeAlias, get_args
 
 from ..errors import SceneError
 from ._values import Triple, finite, positive, triple, unit_interval
 from .procedural import Pattern
 from .texture import AnyTexture, Texture
 
-__all__ = ["Anisotropy", "Clearcoat", "DiffuseTransmission", "Iridescence", "Sheen", "Specular", "Transmission", "Volume"]
+__all__ = [
+    "Anisotropy", "Clearcoat", "Conductor", "DiffuseTransmission", "Iridescence", "Part", "Sheen", "Specular", "Transmission", "Volume",
+]  # fmt: skip
 
 _WHITE: Triple = (1.0, 1.0, 1.0)
 
@@ -249,3 +251,47 @@ class DiffuseTransmission:
     def __post_init__(self) -> None:
         _put_color(self, "color")
         _check(self, "factor")
+
+
+@dataclass(frozen=True)
+class Conductor:
+    """A metal by its measured index of refraction, eta - i k; no extension of glTF.
+
+    Parameters
+    ----------
+    eta, k : three floats > 0 and >= 0
+        At about 630, 532 and 465 nm, for red, green and blue.
+
+    >>> Conductor.named("gold").k[0] > Conductor.named("gold").k[2]
+    True
+    """
+
+    eta: Triple
+    k: Triple
+
+    def __post_init__(self) -> None:
+        _put_color(self, "eta")
+        _put_color(self, "k")
+        if min(self.eta) <= 0.0:
+            raise SceneError(f"conductor.eta must be positive, got {self.eta}")
+
+    @classmethod
+    def named(cls, metal: str) -> Conductor:
+        """A metal that has been measured: "aluminium", "copper", "gold" or "silver".
+
+        **Source**: Johnson and Christy, *Optical constants of the noble metals*, 1972, table I, interpolated in photon energy (copper,
+        gold, silver); Rakic, *Algorithm for the determination of intrinsic optical constants of metal films*, 1995 (aluminium).
+        """
+        if metal not in _MEASURED:
+            raise SceneError(f"conductor must be one of {', '.join(_MEASURED)}, got {metal!r}")
+        return cls(*_MEASURED[metal])
+
+
+_MEASURED: dict[str, tuple[Triple, Triple]] = {
+    "aluminium": ((1.430, 0.910, 0.667), (7.508, 6.420, 5.622)),
+    "copper": ((0.274, 1.094, 1.250), (3.380, 2.591, 2.480)),
+    "gold": ((0.187, 0.518, 1.313), (3.409, 2.283, 1.852)),
+    "silver": ((0.057, 0.055, 0.050), (4.259, 3.465, 2.859)),
+}
+
+Part: TypeAlias = Anisotropy | Clearcoat | Conductor | DiffuseTransmission | Iridescence | Sheen | Specular | Transmission | Volume

@@ -6,19 +6,22 @@ so a new kind changes `resolve` alone, and lobes never see textures or tables.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from .._jit import kernel
 from ..kernel.lanes import any_of, max, min, spread, where
-from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, lerp, max_component, normalize, reflect
-from ..tables.layouts import BLINN_PHONG, COOL_TO_WARM, DIELECTRIC, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG
+from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, lerp, max_component, normalize, reflect
+from ..tables.layouts import BLINN_PHONG, COOL_TO_WARM, DIELECTRIC, MASK, METALLIC_ROUGHNESS, OPAQUE, PHONG, SOLID
 from .bump import bumped_normal
 from .cool_to_warm import cool_to_warm
 from .fresnel import schlick_weight
 from .lambert import eval_lambert
+from .layer_row import if_layered, layer_row
+from .layered import eval_layers
+from .layers import resolve_layers
+from .lobes import Bsdf, Layers, no_layers, rough_matte, with_layers, with_lobes
 from .microfacet import eval_ggx
+from .normal_map import mapped_normal
 from .phong import eval_blinn_phong, eval_phong
 from .surface import SurfacePoint
 from .texture import place_in, sample_place, sample_texture
@@ -26,26 +29,7 @@ from .texture import place_in, sample_place, sample_texture
 __all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "seen_in_mirrors", "shading_normal", "tint_at"]
 
 f32 = np.float32
-_DIELECTRIC_F0 = f32(0.04)
-_TWO = f32(2.0)
 _CLEARANCE, _LEAST_COSINE = f32(0.01), f32(1e-3)
-
-
-class Bsdf(NamedTuple):
-    """What light meets at a point."""
-
-    ns: Vec3  # shading normal, unit, after the normal map
-    diffuse: Color  # kd
-    specular: Color  # ks of the highlight
-    exponent: np.float32  # its p; negative: Phong's with exponent -p
-    f0: Color  # microfacet lobe: reflectance at normal incidence
-    roughness2: np.float32  # its alpha: perceptual roughness squared
-    ambient: Color  # what ambient light is multiplied by
-    occlusion: np.float32  # the share of it that is not hidden nearby
-    mirror: Color  # ideal reflection
-    emission: Color
-    alpha: np.float32  # coverage
-    albedo: Color  # the base colour as painted
 
 
 @kernel
@@ -64,16 +48,13 @@ def seen_in_mirrors(bsdf: Bsdf, n: Vec3, wo: Vec3) -> Bsdf:
         return bsdf
     above = normalize(r + bsdf.ns * ((_CLEARANCE - below) / max(dot(n, bsdf.ns), _LEAST_COSINE)))
     ns = normalize(wo + above)
-    return Bsdf(
-        ns, bsdf.diffuse, bsdf.specular, bsdf.exponent, bsdf.f0, bsdf.roughness2, bsdf.ambient, bsdf.occlusion, bsdf.mirror, bsdf.emission,
-        bsdf.alpha, bsdf.albedo,
-    )  # fmt: skip
+    return with_lobes(bsdf, ns, bsdf.diffuse, bsdf.f0, bsdf.ambient)
 
 
 @kernel
 def _coverage(material, alpha: np.float32) -> np.float32:
     """Alpha as the material uses it: 1 if opaque, 0 or 1 behind a mask, itself if blended."""
-    if material["alpha_mode"] == OPAQUE:
+    if material["alpha_mode"] == OPAQUE or material["layers"] & SOLID != 0:
         return spread(ONE, alpha)
     if material["alpha_mode"] == MASK:
         return where(alpha >= material["alpha_cutoff"], spread(ONE, alpha), ZERO)
@@ -140,28 +121,36 @@ def _textured(index: int, point: SurfacePoint, textures, texels) -> Color:
 
 
 @kernel
-def _mapped_normal(material, point: SurfacePoint, textures, texels) -> Vec3:
-    """The shading normal bent by a normal map (glTF 2.0, 3.9.3): t x + b y + n z, with b = sign (n x t)."""
-    n = point.ns
-    t = point.tangent - n * dot(n, point.tangent)
-    has_direction = dot(t, t) > ZERO
-    t = normalize(t)
-    b = cross(n, t) * point.bitangent_sign
-    c, _ = sample_texture(textures[material["normal_texture"]], texels, point)
-    s = material["normal_scale"]
-    mapped = normalize(t * ((_TWO * c.r - ONE) * s) + b * ((_TWO * c.g - ONE) * s) + n * (_TWO * c.b - ONE))
-    return where(has_direction & (dot(mapped, mapped) > ZERO), mapped, n)
-
-
-@kernel
 def shading_normal(material, instance, point: SurfacePoint, textures, texels) -> Vec3:
     """The shading normal after the normal map, and after the bump map on top of it."""
     ns = point.ns
     if material["normal_texture"] >= 0:
-        ns = _mapped_normal(material, point, textures, texels)
+        c, _ = sample_texture(textures[material["normal_texture"]], texels, point)
+        ns = mapped_normal(c, material["normal_scale"], point)
     if material["bump_texture"] >= 0:
         ns = bumped_normal(material, instance, ns, point, textures, texels)
     return ns
+
+
+@kernel
+def _metallic(row, bare: Bsdf, metallic: np.float32, point: SurfacePoint, textures, texels) -> Bsdf:
+    """The lobes of a metallic-roughness material, of which `bare` has all but these, its diffuse coefficient the base colour."""
+    base, f0d = bare.diffuse, bare.dielectric_f0
+    if row is not None:
+        if bare.layered != 0:
+            made = resolve_layers(row, point, bare.ns, base, metallic, bare.roughness2, bare.occlusion, textures, texels)
+            return with_layers(with_lobes(bare, bare.ns, made.diffuse, made.f0, made.ambient), bare.layered, made.layers)
+    f0 = Color(f0d, f0d, f0d) * (ONE - metallic) + base * metallic
+    diffuse = base * (ONE - metallic)
+    ambient = (diffuse * (ONE - f0d) + f0) * bare.occlusion
+    return with_lobes(bare, bare.ns, diffuse, f0, ambient)
+
+
+@kernel
+def _rough_matte(row, layers: Layers):
+    if row is None:
+        return layers
+    return rough_matte(layers, row["matte_roughness"])
 
 
 @kernel
@@ -179,41 +168,53 @@ def resolve(material, instance, point: SurfacePoint, textures, texels) -> Bsdf:
     ambient = base
     if ka.r >= ZERO:
         ambient = ka
-    kind = material["kind"]
+    kind, bits = material["kind"], np.int64(material["layers"])
+    row, f0d = layer_row(material), material["dielectric_f0"]
+    layers = if_layered(row, no_layers(point.u))
     if kind == BLINN_PHONG:
         ks = _color3(material["specular"]) * _textured(material["specular_texture"], point, textures, texels)
         ks = ks * material["specular_scale"]
         km = _color3(material["mirror"]) + black
         p = spread(-material["exponent"] if material["highlight"] == PHONG else material["exponent"], point.u)
-        return Bsdf(ns, base, ks, p, black, one, ambient, one, km, emission, alpha, base)
+        return Bsdf(ns, base, ks, p, black, one, ambient, one, km, emission, alpha, base, f0d, bits, layers)
     if kind == METALLIC_ROUGHNESS:
         if material["unlit"] != 0:
-            return Bsdf(point.ns, black, black, one, black, one, black, one, black, base + emission, alpha, base)
+            return Bsdf(point.ns, black, black, one, black, one, black, one, black, base + emission, alpha, base, f0d, bits, layers)
         rough = _textured(material["metallic_roughness_texture"], point, textures, texels)
         roughness, metallic = material["roughness"] * rough.g, material["metallic"] * rough.b
         occlusion = one
         if material["occlusion_texture"] >= 0:
             o = _textured(material["occlusion_texture"], point, textures, texels)
             occlusion = lerp(ONE, o.r, material["occlusion_strength"])
-        f0 = Color(_DIELECTRIC_F0, _DIELECTRIC_F0, _DIELECTRIC_F0) * (ONE - metallic) + base * metallic
-        diffuse = base * (ONE - metallic)
-        ambient = (diffuse * (ONE - _DIELECTRIC_F0) + f0) * occlusion
-        return Bsdf(ns, diffuse, black, one, f0, roughness * roughness, ambient, occlusion, black, emission, alpha, base)
+        bare = Bsdf(
+            ns, base, black, one, black, roughness * roughness, black, occlusion, black, emission, alpha, base, f0d, bits, layers
+        )
+        return _metallic(row, bare, metallic, point, textures, texels)
     if kind == DIELECTRIC:
         # What goes through is the affair of renderers that follow rays.
         alpha2 = spread(material["roughness"] * material["roughness"], point.u)
         f0 = _color3(material["specular"]) + black
-        return Bsdf(ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base)
+        return Bsdf(ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base, f0d, bits, layers)
     if kind == COOL_TO_WARM:
         towards = Vec3(material["towards"][0], material["towards"][1], material["towards"][2])
         shown = cool_to_warm(_color3(material["cool"]), base, point.ns, towards)
-        return Bsdf(point.ns, black, black, one, black, one, black, one, black, shown, alpha, base)
-    return Bsdf(ns, base, black, one, black, one, ambient, one, black, emission, alpha, base)
+        return Bsdf(point.ns, black, black, one, black, one, black, one, black, shown, alpha, base, f0d, bits, layers)
+    layers = _rough_matte(row, layers)
+    return Bsdf(ns, base, black, one, black, one, ambient, one, black, emission, alpha, base, f0d, bits, layers)
 
 
 @kernel
 def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
     """The sum of the lobes, cosine included: radiance towards wo per irradiance facing wi."""
+    return _eval(bsdf, bsdf.layers, wo, wi)
+
+
+@kernel
+def _eval(bsdf: Bsdf, layers: Layers | None, wo: Vec3, wi: Vec3) -> Color:
+    if layers is not None:
+        if bsdf.layered != 0:
+            parts = eval_layers(bsdf, wo, wi)
+            return parts.matte + parts.facets
     value = eval_lambert(bsdf.diffuse, bsdf.ns, wi)
     has_highlight = max_component(bsdf.specular) > ZERO
     if any_of(has_highlight):
@@ -226,7 +227,7 @@ def eval_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
     has_facets = max_component(bsdf.f0) > ZERO
     if any_of(has_facets):
         # What the coat of microfacets reflects does not reach the base (glTF 2.0, B.2.1: fresnel_mix).
-        reflected = _DIELECTRIC_F0 + (ONE - _DIELECTRIC_F0) * schlick_weight(dot(wo, normalize(wo + wi)))
+        reflected = bsdf.dielectric_f0 + (ONE - bsdf.dielectric_f0) * schlick_weight(dot(wo, normalize(wo + wi)))
         faceted = value * (ONE - reflected) + eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
         value = where(has_facets, faceted, value)
     return value

@@ -13,15 +13,16 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.frame import frame_from_normal, to_local, to_world
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, normalize, reflect
-from .bsdf import Bsdf
+from ..tables.layouts import MATTE_ONLY
+from .layered import draw_layers, eval_layers, pdf_layers
+from .lobes import Bsdf, Layers, with_layers, with_lobes
 from .microfacet import eval_ggx
 from .sample import pdf_microfacet, visible_normal
 
-__all__ = ["FacetSample", "pdf_facets", "sample_facets", "scatter_in_square", "without_facets"]
+__all__ = ["FacetSample", "eval_facets", "pdf_facets", "sample_facets", "scatter_in_square", "without_facets"]
 
 f32 = np.float32
 _HALF = f32(0.5)
-_UNCOATED = f32(1.0 - 0.04)  # what the coat of a dielectric lets through to the base
 
 
 @kernel
@@ -47,12 +48,46 @@ class FacetSample(NamedTuple):
 @kernel
 def pdf_facets(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> np.float32:
     """The density per steradian with which `sample_facets` draws wi."""
+    return _pdf(bsdf, bsdf.layers, wo, wi)
+
+
+@kernel
+def _pdf(bsdf: Bsdf, layers: Layers | None, wo: Vec3, wi: Vec3) -> np.float32:
+    if layers is not None:
+        if bsdf.layered != 0:
+            return pdf_layers(bsdf, wo, wi, True)
     return pdf_microfacet(bsdf.roughness2, bsdf.ns, wo, normalize(wo + wi))
+
+
+@kernel
+def eval_facets(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Color:
+    """The part of `eval_bsdf` that rough mirrors reflect."""
+    return _eval(bsdf, bsdf.layers, wo, wi)
+
+
+@kernel
+def _eval(bsdf: Bsdf, layers: Layers | None, wo: Vec3, wi: Vec3) -> Color:
+    if layers is not None:
+        if bsdf.layered != 0:
+            return eval_layers(bsdf, wo, wi).facets
+    return eval_ggx(bsdf.f0, bsdf.roughness2, bsdf.ns, wi, wo)
 
 
 @kernel
 def sample_facets(bsdf: Bsdf, wo: Vec3, u: np.float32, v: np.float32) -> FacetSample:
     """Draw a direction as the microfacets reflect wo (Heitz 2018)."""
+    return _sample(bsdf, bsdf.layers, wo, u, v)
+
+
+@kernel
+def _sample(bsdf: Bsdf, layers: Layers | None, wo: Vec3, u: np.float32, v: np.float32) -> FacetSample:
+    if layers is not None:
+        if bsdf.layered != 0:
+            wi = draw_layers(bsdf, wo, u, u, v, True)
+            pdf = pdf_layers(bsdf, wo, wi, True)
+            if pdf <= ZERO:
+                return FacetSample(wi, Color(ZERO, ZERO, ZERO), ZERO)
+            return FacetSample(wi, eval_layers(bsdf, wo, wi).facets * (ONE / pdf), pdf)
     frame = frame_from_normal(bsdf.ns)
     wi = reflect(-wo, to_world(frame, visible_normal(bsdf.roughness2, to_local(frame, wo), u, v)))
     pdf = pdf_facets(bsdf, wo, wi)
@@ -64,9 +99,14 @@ def sample_facets(bsdf: Bsdf, wo: Vec3, u: np.float32, v: np.float32) -> FacetSa
 @kernel
 def without_facets(bsdf: Bsdf) -> Bsdf:
     """The lobes less the microfacets, whose light is found by rays; of ambient light, what the base gets."""
-    base = bsdf.diffuse * (_UNCOATED * bsdf.occlusion)
-    black = Color(ZERO, ZERO, ZERO)
-    return Bsdf(
-        bsdf.ns, bsdf.diffuse, bsdf.specular, bsdf.exponent, black, bsdf.roughness2, base, bsdf.occlusion, bsdf.mirror, bsdf.emission,
-        bsdf.alpha, bsdf.albedo,
-    )  # fmt: skip
+    return _matte(bsdf, bsdf.layers)
+
+
+@kernel
+def _matte(bsdf: Bsdf, layers: Layers | None) -> Bsdf:
+    if layers is not None:
+        if bsdf.layered != 0:
+            base = (bsdf.diffuse + layers.behind) * ((ONE - layers.shield) * bsdf.occlusion)
+            return with_layers(with_lobes(bsdf, bsdf.ns, bsdf.diffuse, bsdf.f0, base), bsdf.layered | MATTE_ONLY, layers)
+    base = bsdf.diffuse * ((ONE - bsdf.dielectric_f0) * bsdf.occlusion)
+    return with_lobes(bsdf, bsdf.ns, bsdf.diffuse, Color(ZERO, ZERO, ZERO), base)

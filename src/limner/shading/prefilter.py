@@ -77,10 +77,24 @@ def _between(table, i: int, j: int, a: np.float32, b: np.float32) -> np.float32:
 
 
 @kernel
-def sent_on(f0: Color, n_v: np.float32, roughness: np.float32) -> Color:
-    """The share of an even sky that the microfacet lobe sends towards the eye, by Schlick's reflectance."""
+def _sent(n_v: np.float32, roughness: np.float32):
+    """(total, grazing) of the tables."""
     x, y = min(max(roughness, ZERO), ONE) * _LAST, min(max(n_v, ZERO), ONE) * _LAST
     i, j = min(to_int(x), NODES - 2), min(to_int(y), NODES - 2)
     a, b = x - to_float(i), y - to_float(j)
-    total, grazing = _between(TOTAL, i, j, a, b), _between(GRAZING, i, j, a, b)
+    return _between(TOTAL, i, j, a, b), _between(GRAZING, i, j, a, b)
+
+
+@kernel
+def sent_on(f0: Color, n_v: np.float32, roughness: np.float32) -> Color:
+    """The share of an even sky that the microfacet lobe sends towards the eye, by Schlick's reflectance."""
+    total, grazing = _sent(n_v, roughness)
     return f0 * (total - grazing) + Color(grazing, grazing, grazing)
+
+
+@kernel
+def facets_share(f0: Color, f90: np.float32, n_v: np.float32, roughness: np.float32) -> Color:
+    """The same with another reflectance than 1 at grazing angles."""
+    total, grazing = _sent(n_v, roughness)
+    edge = grazing * f90
+    return f0 * (total - grazing) + Color(edge, edge, edge)

@@ -19,6 +19,8 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, luminance, normaliz
 from ..kernel.warp import pdf_hemisphere_cosine, warp_disk, warp_hemisphere_cosine
 from .bsdf import Bsdf, eval_bsdf
 from .fresnel import schlick
+from .layered import draw_layers, pdf_layers
+from .lobes import Layers
 from .microfacet import ggx_distribution
 
 __all__ = ["BsdfSample", "pdf_bsdf", "pdf_microfacet", "sample_bsdf", "visible_normal"]
@@ -100,6 +102,14 @@ def _pdf(bsdf: Bsdf, shares: Shares, wo: Vec3, wi: Vec3) -> np.float32:
 @kernel
 def pdf_bsdf(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> np.float32:
     """The density with which `sample_bsdf` draws wi, mirror apart."""
+    return _pdf_of(bsdf, bsdf.layers, wo, wi)
+
+
+@kernel
+def _pdf_of(bsdf: Bsdf, layers: Layers | None, wo: Vec3, wi: Vec3) -> np.float32:
+    if layers is not None:
+        if bsdf.layered != 0:
+            return pdf_layers(bsdf, wo, wi, False)
     return _pdf(bsdf, _shares(bsdf, wo), wo, wi)
 
 
@@ -129,6 +139,15 @@ def _highlight_normal(p: np.float32, u: np.float32, w: np.float32) -> Vec3:
 @kernel
 def sample_bsdf(bsdf: Bsdf, wo: Vec3, choice: np.float32, u: np.float32, w: np.float32) -> BsdfSample:
     """Draw a direction for wo; `choice`, u and w are uniform in [0, 1)."""
+    return _sample(bsdf, bsdf.layers, wo, choice, u, w)
+
+
+@kernel
+def _sample(bsdf: Bsdf, layers: Layers | None, wo: Vec3, choice: np.float32, u: np.float32, w: np.float32) -> BsdfSample:
+    if layers is not None:
+        if bsdf.layered != 0:
+            wi = draw_layers(bsdf, wo, choice, u, w, False)
+            return BsdfSample(wi, eval_bsdf(bsdf, wo, wi), pdf_layers(bsdf, wo, wi, False), False)
     shares = _shares(bsdf, wo)
     black = Color(ZERO, ZERO, ZERO)
     n = bsdf.ns

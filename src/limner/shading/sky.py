@@ -13,18 +13,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import kernel, outlined
 from ..kernel.elementary import INV_PI, PI, TWO_PI, acos, atan2, cos, floor, safe_sqrt, sin, sqrt
 from ..kernel.lanes import any_of, at, max, min, spread, to_int, where
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, max_component, reflect
-from .bsdf import Bsdf
-from .prefilter import blurred_radiance, sent_on
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, max_component, normalize, reflect
+from ..tables.layouts import ANISOTROPY, BEHIND, COAT, COMPENSATED, CONDUCTOR, FILM, MATTE_ONLY, ROUGH_MATTE, SHEEN
+from .fresnel import schlick_weight
+from .iridescence import film_reflectance
+from .layered import facets_reflectance
+from .lobes import Bsdf, Layers
+from .multiscatter import energy_gain
+from .prefilter import blurred_radiance, facets_share, sent_on
+from .sheen import sheen_sent_on
 
 __all__ = ["SkySample", "ambient_from_sky", "pdf_sky", "sample_sky", "sky_irradiance", "sky_radiance"]
 
 f32 = np.float32
 _HALF = f32(0.5)
-_DIELECTRIC = f32(0.04)
+_COAT_F0, _LEAST_ALPHA = f32(0.04), f32(1e-3)
 _Y00 = f32(0.5 / math.sqrt(math.pi))
 _Y1 = f32(math.sqrt(3.0 / (4.0 * math.pi)))
 _Y2 = f32(math.sqrt(15.0 / (4.0 * math.pi)))
@@ -167,12 +173,82 @@ def sky_irradiance(lighting, n: Vec3) -> Color:
     return Color(max(e.r, ZERO), max(e.g, ZERO), max(e.b, ZERO))
 
 
+@outlined
+def _mirrored(lighting, r: Vec3, roughness: np.float32) -> Color:
+    """The sky about direction r, as a mirror of perceptual roughness sees it."""
+    header = lighting[0][0]
+    return blurred_radiance(lighting[4], sky_radiance(lighting, r), _turned(header, r), roughness, header["sky_intensity"])
+
+
+@kernel
+def _bent(bsdf: Bsdf, wo: Vec3) -> Vec3:
+    """The normal about which a stretched lobe mirrors the eye: leant towards the eye in the plane across the brush strokes.
+
+    **Source**: Revie, *Implementing Fur in Deferred Shading*, GPU Pro 2, 2011; as Guy and Agopian, *Physically based rendering in
+    Filament*, 2018, 5.3.5 have it.
+    """
+    layers = bsdf.layers
+    across = cross(bsdf.ns, layers.tangent)
+    strength = (layers.along - bsdf.roughness2) / max(ONE - bsdf.roughness2, _LEAST_ALPHA)
+    bend = safe_sqrt(min(max(strength, ZERO), ONE)) * min(sqrt(bsdf.roughness2) * f32(5.0), ONE)
+    leaning = cross(cross(across, wo), across)
+    return normalize(bsdf.ns * (ONE - bend) + normalize(leaning) * bend)
+
+
+@outlined
+def _from_layers(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
+    """What a surface with layers sends on of the whole sky: each layer by the sky as it sees it, dimmed by those above."""
+    layers, bits = bsdf.layers, bsdf.layered
+    n_v, roughness = max(dot(bsdf.ns, wo), ZERO), sqrt(bsdf.roughness2)
+    total = bsdf.diffuse * (sky_irradiance(lighting, bsdf.ns) * INV_PI) * (ONE - layers.shield)
+    if bits & MATTE_ONLY == 0 and bits & ROUGH_MATTE == 0:
+        n = bsdf.ns
+        if bits & ANISOTROPY != 0:
+            n = _bent(bsdf, wo)
+        f0, f90 = bsdf.f0, layers.f90
+        if bits & CONDUCTOR != 0:
+            f0, f90 = facets_reflectance(bsdf, spread(ONE, wo.x)), spread(ONE, wo.x)
+        if bits & FILM != 0:
+            f0 = f0 * (ONE - layers.film) + film_reflectance(f0, layers.film_ior, layers.film_thickness, n_v) * layers.film
+        share = facets_share(f0, f90, n_v, roughness)
+        if bits & ANISOTROPY != 0:
+            # Of a stretched lobe about as much as of its two widths, each all round.
+            share = (share + facets_share(f0, f90, n_v, sqrt(layers.along))) * _HALF
+        if bits & COMPENSATED != 0:
+            share = share * energy_gain(f0, n_v, roughness)
+        total = total + share * _mirrored(lighting, reflect(-wo, n), roughness)
+    if bits & BEHIND != 0:
+        total = total + layers.behind * (sky_irradiance(lighting, -bsdf.ns) * INV_PI) * (ONE - layers.shield)
+    if bits & SHEEN != 0:
+        level = sheen_sent_on(layers.sheen_alpha, n_v)
+        fibres = _mirrored(lighting, reflect(-wo, bsdf.ns), sqrt(layers.sheen_alpha))
+        total = total * (ONE - max_component(layers.sheen) * level) + layers.sheen * fibres * level
+    if bits & COAT != 0:
+        n_v = max(dot(layers.coat_normal, wo), ZERO)
+        total = total * (ONE - layers.coat * (_COAT_F0 + (ONE - _COAT_F0) * schlick_weight(n_v)))
+        if bits & MATTE_ONLY == 0:
+            roughness = sqrt(layers.coat_alpha)
+            grey = spread(_COAT_F0, wo.x)
+            mirrored = sent_on(Color(grey, grey, grey), n_v, roughness) * layers.coat
+            total = total + mirrored * _mirrored(lighting, reflect(-wo, layers.coat_normal), roughness)
+    return total * bsdf.occlusion
+
+
 @kernel
 def ambient_from_sky(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
     """What a surface sends on of the whole sky, unshadowed: the matte part by irradiance, the microfacets by the blurred sky."""
     header = lighting[0][0]
     if header["sky_present"] == 0:
         return _black(wo)
+    return _sent_on_of(lighting, bsdf, bsdf.layers, wo)
+
+
+@kernel
+def _sent_on_of(lighting, bsdf: Bsdf, layers: Layers | None, wo: Vec3) -> Color:
+    header = lighting[0][0]
+    if layers is not None:
+        if bsdf.layered != 0:
+            return _from_layers(lighting, bsdf, wo)
     matte = sky_irradiance(lighting, bsdf.ns) * INV_PI
     has_facets = max_component(bsdf.f0) > ZERO
     if not any_of(has_facets):
@@ -181,5 +257,5 @@ def ambient_from_sky(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
     roughness = sqrt(bsdf.roughness2)
     r = reflect(-wo, bsdf.ns)
     shiny = blurred_radiance(lighting[4], sky_radiance(lighting, r), _turned(header, r), roughness, header["sky_intensity"])
-    coated = (bsdf.diffuse * matte * (ONE - _DIELECTRIC) + sent_on(bsdf.f0, n_v, roughness) * shiny) * bsdf.occlusion
+    coated = (bsdf.diffuse * matte * (ONE - bsdf.dielectric_f0) + sent_on(bsdf.f0, n_v, roughness) * shiny) * bsdf.occlusion
     return where(has_facets, coated, bsdf.ambient * matte)

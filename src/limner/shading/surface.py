@@ -32,6 +32,7 @@ __all__ = [
     "transform_normal",
     "transformed_reach",
     "transposed_vector",
+    "turned_over",
     "with_normal",
 ]  # fmt: skip
 
@@ -379,4 +380,13 @@ def flip_to_front(point: SurfacePoint, wo: Vec3) -> SurfacePoint:
     return SurfacePoint(
         point.position, n, ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color, point.alpha,
         point.footprint, point.material, bulge, point.reach, point.detail,
+    )  # fmt: skip
+
+
+@kernel
+def turned_over(point: SurfacePoint) -> SurfacePoint:
+    """The same point as it is seen from the other side."""
+    return SurfacePoint(
+        point.position, -point.n, -point.ns, point.tangent, point.bitangent_sign, point.u, point.v, point.u1, point.v1, point.color,
+        point.alpha, point.footprint, point.material, Vec3(ZERO, ZERO, ZERO), point.reach, point.detail,
     )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from ..scene.camera import Camera
 from ..scene.lamp import LampShape, light_frame
 from ..scene.light import AmbientLight, AreaLight, DirectionalLight, PointLight, RectangleLight, SphereLight, SpotLight
 from ..scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, Material, MetallicRoughness, ShadowCatcher
+from ..scene.material_extensions import Part
 from ..scene.scene import Scene
 from ..scene.shape import Box, Combination, Shape
 from ..scene.texture import AnyTexture
@@ -23,6 +24,7 @@ from . import layouts
 from .camera import camera_record, near_and_far, raster_from_world
 from .exact import Numbers, fill_shape, leaves_and_program, materials_of
 from .frames import with_frames
+from .layers import attenuation_of, dielectric_f0, dispersion_of, fill_layers, fill_rough_matte, fills_shape
 from .layouts import SceneTables
 from .relief import Reliefs
 from .stand_ins import Sight, StandIns, flattens, inverse, tessellation
@@ -30,6 +32,7 @@ from .textures import asks_for_detail, mean_color, texture_tables
 
 __all__ = ["Built", "View", "build", "flatten", "media_table", "names", "view"]
 
+_INFINITE_IOR = 1e6  # reflects all but a few millionths
 _ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
 
 
@@ -340,15 +343,15 @@ def _material_rows(scene: Scene) -> tuple[list[Material], dict[int, int]]:
 
 def _material_table(materials: list[Material], textures: dict[AnyTexture, int], eye: NDArray[np.float64]) -> NDArray[np.void]:
     table = np.zeros(len(materials), dtype=layouts.MATERIAL)
-    dielectrics = [material for material in materials if isinstance(material, Dielectric)]
-    if len(dielectrics) > layouts.MAX_MEDIA:
-        raise UnsupportedError(f"a scene must not have more than {layouts.MAX_MEDIA} dielectric materials, got {len(dielectrics)}")
+    filling = [fills_shape(material) for material in materials]
+    if sum(filling) > layouts.MAX_MEDIA:
+        raise UnsupportedError(f"a scene must not have more than {layouts.MAX_MEDIA} dielectric materials, got {sum(filling)}")
     for row, material in zip(table, materials, strict=True):
         row["alpha"], row["alpha_cutoff"] = material.alpha, material.alpha_cutoff
         row["alpha_mode"] = _ALPHA_MODES[material.alpha_mode]
         row["double_sided"], row["emission"] = material.double_sided, material.emission
         row["emission_weight"] = _emission_weight(material)
-        row["specular_scale"] = row["normal_scale"] = row["roughness"] = row["exponent"] = 1.0
+        row["specular_scale"] = row["normal_scale"] = row["roughness"] = row["exponent"] = row["specular_factor"] = 1.0
         for field in layouts.MATERIAL.names or ():
             if field.endswith("_texture"):
                 row[field] = -1
@@ -356,7 +359,7 @@ def _material_table(materials: list[Material], textures: dict[AnyTexture, int], 
         _fill_relief(row, material, textures)
         if isinstance(material, CoolToWarm):
             row["towards"] = _towards(material, eye)
-    table["medium"][[isinstance(material, Dielectric) for material in materials]] = np.arange(1, len(dielectrics) + 1)
+    table["medium"][filling] = np.arange(1, sum(filling) + 1)
     return table
 
 
@@ -367,15 +370,19 @@ def _towards(material: CoolToWarm, eye: NDArray[np.float64]) -> NDArray[np.float
 
 
 def media_table(scene: Scene) -> NDArray[np.void]:
-    """(1 + n,) MEDIUM: what is outside, fog or clear air, and each dielectric material in the order of the material rows."""
-    dielectrics = [material for material in _material_rows(scene)[0] if isinstance(material, Dielectric)]
-    table = np.zeros(1 + len(dielectrics), dtype=layouts.MEDIUM)
+    """(1 + n,) MEDIUM: what is outside, fog or clear air, and what fills each material's shapes in the order of the material rows."""
+    filling = [material for material in _material_rows(scene)[0] if fills_shape(material)]
+    table = np.zeros(1 + len(filling), dtype=layouts.MEDIUM)
     table[0]["ior"], table[0]["priority"] = 1.0, np.iinfo(np.int32).min
     if scene.fog is not None:
         table[0]["attenuation"], table[0]["haze"] = scene.fog.density, scene.fog.color
-    for row, material in zip(table[1:], dielectrics, strict=True):
-        row["ior"], row["priority"] = material.ior, material.priority
-        row["attenuation"], row["haze"] = material.absorption, material.haze
+    for row, material in zip(table[1:], filling, strict=True):
+        if isinstance(material, MetallicRoughness):
+            row["ior"], row["dispersion"] = material.ior or _INFINITE_IOR, dispersion_of(material)
+            row["attenuation"] = attenuation_of(material)
+        elif isinstance(material, Dielectric):
+            row["ior"], row["priority"] = material.ior, material.priority
+            row["attenuation"], row["haze"] = material.absorption, material.haze
     return table
 
 
@@ -390,8 +397,9 @@ def _emission_weight(material: Material) -> float:
 
 def _is_detailed(material: Material) -> bool:
     """Whether a material's textures ask where on the object a point is."""
-    found = {name: value for name, value in vars(material).items() if name.endswith("texture")}
-    return found.get("bump_texture") is not None or any(map(asks_for_detail, found.values()))
+    parts = [material, *(part for part in vars(material).values() if isinstance(part, get_args(Part)))]
+    textures = [value for part in parts for name, value in vars(part).items() if name.endswith("texture")]
+    return getattr(material, "bump_texture", None) is not None or any(map(asks_for_detail, textures))
 
 
 def _row(texture: AnyTexture | None, textures: dict[AnyTexture, int]) -> int:
@@ -412,6 +420,7 @@ def _fill_lambert(row: np.void, material: Lambert, textures: dict[AnyTexture, in
     row["kind"], row["color"], row["ambient"] = layouts.LAMBERT, material.color, (-1.0, -1.0, -1.0)
     row["color_texture"] = _row(material.texture, textures)
     row["emission_texture"] = _row(material.emission_texture, textures)
+    fill_rough_matte(row, material)
 
 
 def _fill_blinn_phong(row: np.void, material: BlinnPhong, textures: dict[AnyTexture, int]) -> None:
@@ -439,6 +448,7 @@ def _fill_metallic_roughness(row: np.void, material: MetallicRoughness, textures
     row["metallic_roughness_texture"] = _row(material.metallic_roughness_texture, textures)
     row["occlusion_texture"] = _row(material.occlusion_texture, textures)
     row["emission_texture"] = _row(material.emissive_texture, textures)
+    fill_layers(row, material, lambda texture: _row(texture, textures))
 
 
 def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[AnyTexture, int]) -> None:
@@ -448,7 +458,7 @@ def _fill_shadow_catcher(row: np.void, material: ShadowCatcher, textures: dict[A
 def _fill_dielectric(row: np.void, material: Dielectric, textures: dict[AnyTexture, int]) -> None:
     row["kind"], row["color"], row["roughness"] = layouts.DIELECTRIC, material.tint, material.roughness
     row["color_texture"] = _row(material.tint_texture, textures)
-    row["specular"] = ((material.ior - 1.0) / (material.ior + 1.0)) ** 2
+    row["specular"] = row["dielectric_f0"] = dielectric_f0(material.ior)
     row["fresnel"] = layouts.SCHLICK if material.fresnel == "schlick" else layouts.EXACT
 
 

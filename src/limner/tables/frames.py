@@ -21,11 +21,19 @@ def with_frames(mesh: Mesh, materials: tuple[Material, ...]) -> Mesh:
     """
     if mesh.tangents is not None or mesh.normals is None or mesh.uvs is None:
         return mesh
-    maps = [texture for material in materials if (texture := getattr(material, "normal_texture", None)) is not None]
-    if not maps or (maps[0].uv_set == 1 and mesh.uvs1 is None):
+    sets = [uv_set for material in materials for uv_set in _sets_asked_for(material)]
+    if not sets or (sets[0] == 1 and mesh.uvs1 is None):
         return mesh
     known = _kept.setdefault(mesh, {})
-    uv_set = maps[0].uv_set
+    uv_set = sets[0]
     if uv_set not in known:
         known[uv_set] = with_tangents(mesh, uv_set)
     return known[uv_set]
+
+
+def _sets_asked_for(material: Material) -> list[int]:
+    """The sets of texture coordinates along which a material wants tangents."""
+    coat, anisotropy = getattr(material, "clearcoat", None), getattr(material, "anisotropy", None)
+    maps = [getattr(material, "normal_texture", None), getattr(coat, "normal_texture", None), getattr(anisotropy, "texture", None)]
+    sets = [texture.uv_set for texture in maps if texture is not None]
+    return sets if sets or anisotropy is None else [0]

@@ -29,6 +29,14 @@ MAX_LEAVES = 62  # of one combination: as many as an int64 has bits to tell whic
 # Kinds of material
 LAMBERT, BLINN_PHONG, METALLIC_ROUGHNESS, SHADOW_CATCHER, DIELECTRIC, COOL_TO_WARM = 0, 1, 2, 3, 4, 5
 
+# What a material has beyond a matte base under microfacets: bits of its `layers`
+SPECULAR_LAYER, COAT, SHEEN, ANISOTROPY, FILM, COMPENSATED = 1, 2, 4, 8, 16, 32
+CONDUCTOR, ROUGH_MATTE, SHEET, BEHIND = 64, 128, 256, 512
+VOLUME = 1024  # what it lets through fills a closed shape: a row of media
+SOLID = 2048  # no coverage by alpha, though light goes through
+MATTE_ONLY = 4096  # of lobes: the microfacets are somebody else's affair
+FAR_SIDE = 8192  # of lobes: they are those of the side that is not seen
+
 # How much a dielectric reflects
 EXACT, SCHLICK = 0, 1
 
@@ -153,7 +161,26 @@ MATERIAL = np.dtype(
         ("alpha_mode", i32),
         ("double_sided", i32),
         ("unlit", i32),
-        ("medium", i32),  # dielectric: what is behind its surface, a row of media; 0 for all others
+        ("medium", i32),  # dielectric, or what has a volume: what is behind its surface, a row of media; 0 for all others
+        ("layers", i32),  # bits: what it has of what follows here
+        ("dielectric_f0", f32),  # what its part that is no metal reflects, seen straight on
+        ("specular_factor", f32),
+        ("coat", f32),
+        ("coat_roughness", f32),
+        ("coat_normal_scale", f32),
+        ("sheen", f32, 3),
+        ("sheen_roughness", f32),
+        ("anisotropy", f32),
+        ("anisotropy_direction", f32, 2),  # cosine and sine of its turn from the tangent
+        ("film", f32),
+        ("film_ior", f32),
+        ("film_thickness", f32, 2),  # in nanometres, where the texture is 0 and where it is 1
+        ("transmission", f32),
+        ("behind", f32),  # share of the scattered light that goes through
+        ("behind_color", f32, 3),
+        ("eta", f32, 3),  # a conductor's complex index of refraction, by channel: eta - i k
+        ("k", f32, 3),
+        ("matte_roughness", f32),  # Oren and Nayar's sigma, in radians
         ("fresnel", i32),  # EXACT or SCHLICK
         ("cool", f32, 3),
         ("towards", f32, 3),  # unit, the light of cool-to-warm shading
@@ -166,9 +193,25 @@ MATERIAL = np.dtype(
         ("bump_texture", i32),
         ("alpha_texture", i32),
         ("alpha_channel", i32),  # of it: 0 to 3 for R, G, B and alpha
+        ("specular_factor_texture", i32),
+        ("coat_texture", i32),
+        ("coat_roughness_texture", i32),
+        ("coat_normal_texture", i32),
+        ("sheen_texture", i32),
+        ("sheen_roughness_texture", i32),
+        ("anisotropy_texture", i32),
+        ("film_texture", i32),
+        ("film_thickness_texture", i32),
+        ("transmission_texture", i32),
+        ("behind_texture", i32),
+        ("behind_color_texture", i32),
+        ("no_layers", i32),  # nothing but its name, by which doors are told apart
     ],
     align=True,
 )
+
+LAYERED_MATERIAL = np.dtype([(name.replace("no_layers", "has_layers"), *kind) for name, *kind in MATERIAL.descr], align=True)
+"""The same bytes, as doors take them that know layers: see `limner.shading.layer_row`."""
 
 LIGHT = np.dtype(
     [
@@ -193,6 +236,7 @@ MEDIUM = np.dtype(
         ("attenuation", f32, 3),  # per metre
         ("haze", f32, 3),  # radiance of a thick layer
         ("ior", f32),
+        ("dispersion", f32),  # half of how much greater its index is for blue than for red
         ("priority", i32),
     ],
     align=True,

@@ -16,9 +16,9 @@ from ..accel.walk import first_hit, occluded
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, max_component, normalize
 from ..shading.bsdf import alpha_at, tint_at
 from ..shading.dielectric import straight_transmittance
+from ..shading.layers import glass_share, sheet_veil
 from ..shading.medium import cross_surface, filling, passed
 from ..shading.surface import SurfacePoint
-from ..tables.layouts import DIELECTRIC
 from .hit import hit_point
 from .spawn import off_surface
 
@@ -78,15 +78,16 @@ def transmittance(
         point = hit_point(scene, accelerator, hit, o, wi)
         material = materials[point.material]
         left = left * _through_medium(media, inside, hit.t)
-        if material["kind"] == DIELECTRIC:
+        if material["medium"] > 0:
             if tinted == 0:
                 return Seen(Color(ZERO, ZERO, ZERO), False)
             crossing = cross_surface(inside, media, np.int64(material["medium"]), dot(point.n, wi) < ZERO)
             tint = tint_at(material, point, textures, texels)
+            tint = tint * glass_share(material, point, textures, texels)
             left = left * _through_surface(material, tint, media, crossing.before, crossing.after, abs(dot(point.ns, wi)))
             inside, through_glass = crossing.inside, through_glass or crossing.before != crossing.after
         else:
-            left = left * (ONE - alpha_at(material, point, textures, texels))
+            left = left * sheet_veil(material, point, wi, alpha_at(material, point, textures, texels), textures, texels)
         if max_component(left) <= ZERO:
             break
         t_max = t_max - hit.t

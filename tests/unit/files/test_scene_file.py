@@ -105,6 +105,7 @@ def _materials() -> tuple[material.Material, ...]:
             specular=parts.Specular(color_texture=patterns[0]), transmission=parts.Transmission(0.25),
             volume=parts.Volume(0.1, None, 2.0, (0.5, 1.0, 1.0)), anisotropy=parts.Anisotropy(0.5, -1.0, picture),
             iridescence=parts.Iridescence(0.5), diffuse_transmission=parts.DiffuseTransmission(0.5), name="rich",
+            conductor=parts.Conductor.named("gold"), energy_compensation=True,
             variants=(material.Variant("red", material.Lambert((1.0, 0.0, 0.0), name="red")),),
         ),
         material.Lambert(texture=patterns[5], alpha_texture=patterns[6], alpha_mode="mask", alpha_channel="g"),

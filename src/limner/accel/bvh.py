@@ -34,6 +34,7 @@ from .layouts import (
     Accelerator,
 )  # fmt: skip
 from .own_space import FEW_COPIES, groups_of, swept_bounds, widen_moving
+from .presplit import split_boxes
 
 __all__ = ["Kind", "build", "build_over", "build_over_triangles"]
 
@@ -129,11 +130,16 @@ def build(
     return _with_trees((primitives, corners, bounds), planes, groups, trees, tables, instants)
 
 
-def build_over_triangles(corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh") -> Accelerator:
-    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides."""
+def build_over_triangles(
+    corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh", *, spatial_splits: bool = False
+) -> Accelerator:
+    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides; large ones in parts on request."""
     primitives, bounds = np.zeros(len(corners), dtype=PRIMITIVE), np.empty((len(corners), 6), dtype=np.float32)
     primitives["triangle"], primitives["opaque"] = numbers, 1
     _BOUND_TRIANGLES(corners, bounds)
+    if spatial_splits and accelerator == "bvh":
+        rows, bounds = split_boxes(corners, bounds)
+        primitives, corners = primitives[rows], corners[rows]
     return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), accelerator)
 
 

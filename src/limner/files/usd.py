@@ -98,7 +98,10 @@ def read(
     _check_layers(stage, Path(path))
     for one in said.TakeUncoalescedDiagnostics():
         notes.slip(f"OpenUSD says: {one.commentary}"[:200], kind="ignored")
-    return _Reader(stage, modules, sources, notes).scene()
+    try:
+        return _Reader(stage, modules, sources, notes).scene()
+    except RecursionError:
+        raise FileFormatError("its prims are nested too deeply to be read", path) from None
 
 
 def _reason(error: Exception) -> str:
@@ -143,6 +146,7 @@ class _Reader:
         self._lights = Lights(modules, sources, notes, self._time)
         self._moving: list[_Moving] = []
         self._prototypes: dict[tuple[str, str], tuple[Node, ...]] = {}
+        self._spreading: set[str] = set()
         self._n_nodes = 0
 
     def scene(self) -> Scene:
@@ -242,9 +246,13 @@ class _Reader:
         return tuple(made)
 
     def _prototype(self, prim: Any, bound: Any, world: Floats, depth: int) -> Node | None:
-        if not prim:
+        path = str(prim.GetPath()) if prim else ""
+        if not prim or path in self._spreading:
+            self._notes.slip("a prototype that is not there, or that spreads itself, is left out", path)
             return None
+        self._spreading.add(path)
         node = self._node(prim, bound, world, depth)
+        self._spreading.discard(path)
         # A prototype is shown where it is spread, whether it is hidden where it stands or not.
         return node if node is None or node.visible else dataclasses.replace(node, visible=True)
 

@@ -494,3 +494,55 @@ def test_nothing_odd_ends_in_anything_but_a_scene_or_a_line(tmp_path: Path) -> N
             continue
         bounds = scene.bounds()
         assert not np.isnan(bounds).any(), text
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+def test_points_that_move(tmp_path: Path, scheme: str) -> None:
+    """Keys of points become morphs: between two keys points go straight, surfaces of subdivision as those of the points there."""
+    moving = "point3f[] points.timeSamples = {{ 0: {0}, 24: {1}, 36: {2} }}\n"
+    moving += "int[] faceVertexCounts = [4]\nint[] faceVertexIndices = [0,1,2,3]\n"
+    flat = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    keys = [flat, [(x, y, x) for x, y, _ in flat], [(x, y, 2 * y) for x, y, _ in flat]]
+    form = f'uniform token subdivisionScheme = "{scheme}"\n'
+    scene = stage(tmp_path, 'def Mesh "m" {\n' + form + moving.format(*keys) + "}")
+    for time, height in ((0.0, (0.0, 0.0)), (0.5, (0.5, 0.0)), (1.25, (0.5, 1.0)), (9.0, (0.0, 2.0))):
+        mesh = the_mesh(scene.at(time))
+        x, y, z = mesh.positions.T
+        np.testing.assert_allclose(z, height[0] * x + height[1] * y, atol=1e-6)
+        assert len(mesh.triangles) == (2 if scheme == "none" else 32)
+
+
+def test_skins_are_led_by_their_skeletons(tmp_path: Path) -> None:
+    """A joint that lifts its half of a square lifts it in the scene; the file's own layer stays as it was."""
+    text = """
+def SkelRoot "body" {
+    def Skeleton "bones" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token[] joints = ["a", "b"]
+        uniform matrix4d[] bindTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))]
+        uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))]
+        rel skel:animationSource = </body/lift>
+    }
+    def SkelAnimation "lift" {
+        uniform token[] joints = ["a", "b"]
+        float3[] translations.timeSamples = { 0: [(0,0,0), (0,0,0)], 24: [(0,0,0), (0,0,4)] }
+        quatf[] rotations = [(1,0,0,0), (1,0,0,0)]
+        half3[] scales = [(1,1,1), (1,1,1)]
+    }
+    def Mesh "skin" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token subdivisionScheme = "none"
+        point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0,1,2,3]
+        rel skel:skeleton = </body/bones>
+        int[] primvars:skel:jointIndices = [0, 1, 1, 0] (interpolation = "vertex"
+            elementSize = 1)
+        float[] primvars:skel:jointWeights = [1, 1, 1, 1] (interpolation = "vertex"
+            elementSize = 1)
+    }
+}
+"""
+    for _ in range(2):
+        scene = stage(tmp_path, text)
+        for time, z in ((0.0, 0.0), (0.5, 2.0), (1.0, 4.0)):
+            mesh = the_mesh(scene.at(time))
+            np.testing.assert_allclose(mesh.positions[:, 2], z * mesh.positions[:, 0], atol=1e-5)

@@ -21,7 +21,8 @@ extensions = ["myst_parser", "reference"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 python_maximum_signature_line_length = 100
-smartquotes = False # a quotation mark or two hyphens of code in prose stay what they are
+smartquotes = False  # a quotation mark or two hyphens of code in prose stay what they are
+add_module_names = False  # the heading above names the module
 toc_object_entries_show_parents = "hide"
 
 html_theme = "furo"

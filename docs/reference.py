@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import click
-
 from docstrings import first_paragraph, markdown_of
 
 __all__ = ["commands_markdown", "names_of_room", "room_markdown", "setup"]
@@ -118,8 +117,8 @@ def _members(kind: type) -> Iterator[str]:
             if isinstance(member, property):
                 yield _directive("py:property", name, body, depth=4)
             else:
-                option = [":classmethod:"] if isinstance(member, classmethod) else [":staticmethod:"] if isinstance(member, staticmethod) else []
-                yield _directive("py:method", f"{name}{_signature(getattr(kind, name))}", body, depth=4, options=option)
+                options = [f":{type(member).__name__}:"] if isinstance(member, classmethod | staticmethod) else []
+                yield _directive("py:method", f"{name}{_signature(getattr(kind, name))}", body, depth=4, options=options)
 
 
 def _signature(thing: Any) -> str:
@@ -131,7 +130,7 @@ def _signature(thing: Any) -> str:
     kept = [parameter.replace(annotation=inspect.Parameter.empty) for parameter in signature.parameters.values()]
     if kept and kept[0].name == "self":
         del kept[0]
-    shown = [parameter.replace(default=_Shown(parameter.default)) if parameter.default is not parameter.empty else parameter for parameter in kept]
+    shown = [one if one.default is one.empty else one.replace(default=_Shown(one.default)) for one in kept]
     returned = signature.return_annotation
     told = f" -> {returned}" if isinstance(returned, str) and not inspect.isclass(thing) and len(returned) < _LONG else ""
     return str(inspect.Signature(shown)) + told
@@ -176,7 +175,7 @@ def _whole_modules(room: str, known: set[int]) -> Iterator[str]:
             thing = getattr(module, word)
             is_its_own = getattr(thing, "__module__", None) == module.__name__ and (inspect.isclass(thing) or inspect.isfunction(thing))
             if is_its_own and id(thing) not in known:
-                yield _documented(f"limner.{name}.{word}", thing)
+                yield _documented(word, thing)
 
 
 # --- Sphinx ---------------------------------------------------------------------------------------------------------------

@@ -151,6 +151,15 @@ def test_lines_of_python_run(name: str, tmp_path: Path, monkeypatch: pytest.Monk
     exec(compile(text, name, "exec"), {})
 
 
+def test_scene_files_are_read(tmp_path: Path) -> None:
+    """What pages show of scene files makes scenes."""
+    blocks = [block for page in PAGES for block in _blocks(page, "yaml")]
+    for block in blocks:
+        (tmp_path / "scene.yaml").write_text(block, encoding="utf-8")
+        assert limner.load(tmp_path / "scene.yaml").shapes()
+    assert blocks
+
+
 # --- tables ---------------------------------------------------------------------------------------------------------------
 
 
@@ -177,6 +186,15 @@ def test_the_tables_of_formats_are_complete() -> None:
     pictures = re.findall(r"`(\.\w+)`", " ".join(_first_cells("formats.md")))
     assert sorted(pictures) == sorted(FORMATS)
     assert "## Pictures out" in rest
+
+
+def test_the_table_of_findings_is_complete() -> None:
+    """Each kind that the doctor names has its row, and each in a row is one of the doctor's."""
+    source = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src" / "limner" / "explain").glob("*.py"))
+    section = (DOCS / "errors.md").read_text(encoding="utf-8").partition("## What the doctor finds")[2]
+    told = set(re.findall(r"`([a-z-]+)`(?=,| \|)", section))
+    assert set(re.findall(r"Finding\(\s*\"([a-z-]+)\"", source)) <= told
+    assert sorted(kind for kind in told if f'"{kind}"' not in source) == []
 
 
 def test_every_benchmark_is_told_of() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 __all__ = ["first_paragraph", "markdown_of"]
 
@@ -49,8 +49,7 @@ def _blocks(lines: Sequence[str]) -> Iterator[str]:
             at += 1
 
 
-def _end(lines: Sequence[str], start: int, belongs: object) -> int:
-    assert callable(belongs)
+def _end(lines: Sequence[str], start: int, belongs: Callable[[str], bool]) -> int:
     end = start
     while end < len(lines) and belongs(lines[end]):
         end += 1

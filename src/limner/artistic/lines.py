@@ -5,8 +5,8 @@
         line.kind, line.picture, line.hidden_by          # "silhouette", (n, 2) pixels from the top left corner, 0: it is seen
 
 A photograph shows every point alike; a drawing shows the few curves from which the eye knows the shape. Each is found on the surface
-(`edges`, `contours`, `intersections`), thrown on the picture, and cut exactly where something in front begins or ends to hide it
-(`visibility`): there is no grid of samples, and so no jagged ends. What is left is joined to long strokes (`chain`).
+(`outlines`, `edges`, `contours`, `intersections`), thrown on the picture, and cut exactly where something in front begins or ends to hide
+it (`visibility`): there is no grid of samples, and so no jagged ends. What is left is joined to long strokes (`chain`).
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ from ..scene.framing import with_defaults
 from ..scene.scene import Scene
 from ..tiles import Cancel, Cancelled
 from .chain import Stroke, strokes_of
-from .contours import smooth_silhouettes, suggestive_contours
+from .contours import suggestive_contours
 from .doubles import without_doubles
-from .edges import Wanted, edge_segments, faces_of
+from .edges import Wanted, edge_kinds, edge_segments, faces_of
 from .intersections import intersection_segments
+from .outlines import outlines
 from .segments import Segments, joined
 from .sight_lines import SightLines, sight_lines
 from .surfaces import Surfaces, surfaces_of
@@ -202,18 +203,23 @@ def _segments_of(
     surfaces: Surfaces, sight: SightLines, numbers: dict[LineKind, int], crease_degrees: float, report: Callable[[float], object]
 ) -> Segments:
     """All pieces of lines, whatever hides them."""
-    wanted = Wanted(*(numbers[kind] for kind in ("boundary", "silhouette", "crease", "material", "uv_seam")))
-    parts = []
-    faces = faces_of(surfaces, sight)
+    wanted = Wanted(*(numbers[kind] for kind in ("boundary", "crease", "material", "uv_seam")))
+    faces = faces_of(surfaces)
+    edges = edge_kinds(surfaces, faces, wanted, crease_degrees)
     report(0.25)
-    if max(wanted) >= 0:
-        parts.append(edge_segments(surfaces, faces, wanted, crease_degrees))
-    if numbers["smooth_silhouette"] >= 0:
-        parts.append(smooth_silhouettes(surfaces, faces.adjacency, sight, numbers["smooth_silhouette"]))
+    parts, free = [], np.ones(len(edges.kind), dtype=bool)
+    for kind in ("silhouette", "smooth_silhouette"):
+        if numbers[kind] >= 0:
+            found = outlines(surfaces, faces, sight, edges, numbers[kind], smooth=kind == "smooth_silhouette")
+            # An edge that both have a part in is one line, that of the first.
+            rest = [] if not free.all() else [found.rest]
+            parts += [found.segments, *rest]
+            free &= found.free
+    parts.append(edge_segments(surfaces, faces, edges, free))
     if numbers["intersection"] >= 0:
         parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
     if numbers["suggestive_contour"] >= 0:
-        parts.append(suggestive_contours(surfaces, sight, numbers["suggestive_contour"]))
+        parts.append(suggestive_contours(surfaces, faces.adjacency, sight, numbers["suggestive_contour"]))
     return joined(parts)
 
 

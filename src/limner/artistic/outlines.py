@@ -39,7 +39,7 @@ Indices = NDArray[np.int64]
 
 _EDGE_ON = 1e-4  # cosine between a normal and the ray to the eye: what rounding, to six digits or to float32, leaves of 0
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
-_VISIBLE = 0.5  # pixels between a triangle and the smooth surface that it stands for
+_VISIBLE = 1.0  # pixels between a triangle and the smooth surface that it stands for
 
 
 class Outlines(NamedTuple):

@@ -31,7 +31,7 @@ from .doubles import without_doubles
 from .edges import Wanted, edge_kinds, edge_segments, faces_of
 from .intersections import intersection_segments
 from .outlines import outlines
-from .segments import Segments, joined
+from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines, sight_lines
 from .surfaces import Surfaces, surfaces_of
 from .visibility import hiding_triangles, parts_of, thrown
@@ -179,10 +179,11 @@ def drawing_of(
     surfaces = surfaces_of(scene, standing, width, height)
     report(0.1)
     sight = sight_lines(standing, width, height, surfaces.points)
-    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight))
+    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight), sight)
     report(0.5)
     parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
-    strokes = strokes_of(found, parts, sight, numbers["smooth_silhouette"])
+    silhouettes = np.isin(found.segments.kind, (numbers["silhouette"], numbers["smooth_silhouette"]))
+    strokes = strokes_of(found, parts, sight, silhouettes & (found.segments.slack > 2.0 * ROUNDING * surfaces.extent))
     lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())

@@ -33,6 +33,7 @@ from .intersections import intersection_segments
 from .outlines import outlines
 from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines, sight_lines
+from .stitches import StitchKinds, stitched
 from .surfaces import Surfaces, surfaces_of
 from .visibility import hiding_triangles, parts_of, thrown
 
@@ -208,7 +209,9 @@ def _segments_of(
     faces = faces_of(surfaces)
     edges = edge_kinds(surfaces, faces, wanted, crease_degrees)
     report(0.25)
-    parts, free = [], np.ones(len(edges.kind), dtype=bool)
+    where_solids_meet = StitchKinds(numbers["silhouette"], numbers["crease"], numbers["boundary"])
+    seams, replaced = stitched(surfaces, faces, sight, where_solids_meet, crease_degrees)
+    parts, free = [seams], np.ones(len(edges.kind), dtype=bool)
     for kind in ("silhouette", "smooth_silhouette"):
         if numbers[kind] >= 0:
             found = outlines(surfaces, faces, sight, edges, numbers[kind], smooth=kind == "smooth_silhouette")
@@ -216,7 +219,7 @@ def _segments_of(
             rest = [] if not free.all() else [found.rest]
             parts += [found.segments, *rest]
             free &= found.free
-    parts.append(edge_segments(surfaces, faces, edges, free))
+    parts.append(edge_segments(surfaces, faces, edges, free & ~replaced))
     if numbers["intersection"] >= 0:
         parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
     if numbers["suggestive_contour"] >= 0:

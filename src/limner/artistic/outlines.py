@@ -31,7 +31,7 @@ from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 from .zeros import gradients, on, segments_in, zero_segments
 
-__all__ = ["Outlines", "outlines"]
+__all__ = ["Outlines", "outlines", "towards_eye"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -76,6 +76,12 @@ def outlines(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: EdgeKin
     within = segments_in(surfaces, kind, ends, rows, _apart(corners[rows], normals[rows]), inwards.astype(np.int64))
     jumps = _jumps(surfaces, faces.adjacency, values)
     return Outlines(joined([within, _along(surfaces, corners, normals, jumps, kind)]), *_others(surfaces, kinds, jumps))
+
+
+def towards_eye(sight: SightLines, points: Floats, normals: Floats) -> Flags:
+    """Whether surfaces face the eye at points, (k, 3), with unit normals, (k, 3)."""
+    towards = sight.towards(points)
+    return np.asarray((normals * towards).sum(axis=1) > _EDGE_ON * np.sqrt((towards * towards).sum(axis=1)))
 
 
 def _stands_out(surfaces: Surfaces, faces: Faces, sight: SightLines, normals: Floats) -> Flags:

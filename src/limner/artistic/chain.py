@@ -24,6 +24,7 @@ Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
 _LEAST_SMOOTH = 3.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_LEAST_SEEN = 1.0  # pixels: of whole chains of these that are seen
 _SPECK = 0.1  # of all lines of a shape: what is longer is no speck of it
 _SAME = 0.1  # pixels that a stroke may stray for having fewer points
 _STAR = 32  # lines that meet in a point: more are rays of a star, each of which is a stroke
@@ -215,7 +216,8 @@ def _merged(path: _Path) -> _Path:
 
 
 def _without_specks(found: Thrown, path: _Path) -> _Path:
-    """Leave out chains, and hidden parts, of smooth silhouettes that are too short to be seen, if their shape has more to show."""
+    """Leave out chains, and hidden parts, of smooth silhouettes that are too short to be seen, if their shape has more to show: of what
+    is seen little, for a short piece may close a gap."""
     instance = found.segments.instance[path.line]
     whole = np.bincount(instance, path.length)[instance]
     begins = ~path.joined.copy()
@@ -223,8 +225,8 @@ def _without_specks(found: Thrown, path: _Path) -> _Path:
     run = np.cumsum(begins) - 1
     length = np.bincount(run, path.length)[run]
     chain = np.bincount(path.chain, path.length)[path.chain]
-    length = np.where(path.hidden_by > 0, length, chain)
-    kept = (length >= path.least) | (path.least == _LEAST) | (length > _SPECK * whole)
+    short = np.where(path.hidden_by > 0, length < path.least, chain < _LEAST_SEEN)
+    kept = ~short | (path.least == _LEAST) | (chain > _SPECK * whole)
     joined = path.joined.copy()
     joined[1:] &= kept[:-1]
     return _Path(*(column[kept] for column in path._replace(joined=joined)))

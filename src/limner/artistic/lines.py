@@ -48,6 +48,7 @@ KINDS: tuple[LineKind, ...] = (
 DEFAULT_KINDS: tuple[LineKind, ...] = ("silhouette", "crease", "boundary", "material", "intersection")
 
 _LEAST_SUGGESTION = 8.0  # pixels
+_LEAST = 0.1  # pixels: what is shorter would be a dot, as wide as the pen
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +211,7 @@ def _segments_of(
     edges = edge_kinds(surfaces, faces, wanted, crease_degrees)
     report(0.25)
     where_solids_meet = StitchKinds(numbers["silhouette"], numbers["crease"], numbers["boundary"])
-    seams, replaced = stitched(surfaces, faces, sight, where_solids_meet, crease_degrees)
+    seams, replaced = stitched(surfaces, faces, edges.sharp, sight, where_solids_meet, crease_degrees)
     parts, free = [seams], np.ones(len(edges.kind), dtype=bool)
     for kind in ("silhouette", "smooth_silhouette"):
         if numbers[kind] >= 0:
@@ -228,8 +229,8 @@ def _segments_of(
 
 
 def _is_hair(line: FeatureLine) -> bool:
-    """Whether it is too short to suggest anything; what is no mere suggestion stays, however short."""
-    return line.kind == "suggestive_contour" and line.length < _LEAST_SUGGESTION
+    """Whether it is too short to be seen, or, of a mere suggestion, to suggest anything."""
+    return line.length < (_LEAST_SUGGESTION if line.kind == "suggestive_contour" else _LEAST)
 
 
 def _line_of(stroke: Stroke) -> FeatureLine:

@@ -127,7 +127,8 @@ def _jumps(surfaces: Surfaces, adjacency: Adjacency, values: Floats) -> _Jumps:
     # Sides that have different sides out face the eye with opposite signs.
     alike = corner[one] != corner[other]
     g = np.where(alike, g, -g)
-    apart = ((f > 0.0) != (g > 0.0)).any(axis=0)
+    # Also where both change their sign, but in different places.
+    apart = ((f > 0.0) != (g > 0.0)).any(axis=0) | (_zero(f) != _zero(g))
     edge, one, other, f, g = edge[apart], one[apart], other[apart], f[:, apart], g[:, apart]
     p, q = (surfaces.points[adjacency.edges[edge, k]] for k in (0, 1))
     zeros = np.sort(np.stack([_zero(f), _zero(g)]), axis=0)

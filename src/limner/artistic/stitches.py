@@ -35,6 +35,7 @@ Indices = NDArray[np.int64]
 
 _BESIDE = 4e-3  # of a shape's extent: how far the ends of two surfaces that meet may lie apart
 _ALONG = 0.9  # cosine between edges that run along each other
+_ONE_FACE = 1e-2  # of that: how far, where both are of one face
 _PAIRS = 1 << 21  # that are looked at together
 
 
@@ -47,8 +48,8 @@ class StitchKinds(NamedTuple):
 
 
 class _Ends(NamedTuple):
-    """Edges at which exact shapes end in the open: which, their triangles, the surface that these hang together in, their ends (k, 2, 3),
-    the shape's normals there (k, 3), and how far from them others may lie."""
+    """Edges at which exact shapes end in the open: which, their triangles, the face that these are of, their ends (k, 2, 3), the shape's
+    normals there (k, 3), and how far from them others may lie."""
 
     edge: Indices
     triangle: Indices
@@ -58,10 +59,12 @@ class _Ends(NamedTuple):
     reach: Floats
 
 
-def stitched(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: StitchKinds, crease_degrees: float) -> tuple[Segments, Flags]:
-    """The lines along such curves, and which edges, (k,), they replace."""
+def stitched(
+    surfaces: Surfaces, faces: Faces, sharp: Flags, sight: SightLines, kinds: StitchKinds, crease_degrees: float
+) -> tuple[Segments, Flags]:
+    """The lines along such curves, and which edges, (k,), they replace; `sharp`, (k,), are the edges between faces."""
     replaced = np.zeros(len(faces.adjacency.edges), dtype=bool)
-    ends = _open_ends(surfaces, faces.adjacency)
+    ends = _open_ends(surfaces, faces.adjacency, sharp)
     i, j, span, apart = _beside(surfaces, ends)
     replaced[ends.edge[np.unique(i)]] = True
     fine = _fineness(ends)
@@ -71,7 +74,8 @@ def stitched(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: StitchK
     kind = np.where(bends, kinds.crease, -1)
     if kinds.silhouette >= 0:
         kind = np.where(facing[i] != facing[j], kinds.silhouette, kind)
-    kind = np.where(fine[ends.piece[i]] < fine[ends.piece[j]], kind, -1)
+    finer = fine[ends.piece[i]] - fine[ends.piece[j]]
+    kind = np.where((finer < 0) | ((finer == 0) & (i < j)), kind, -1)
     row, spans, kind = _cut(i, span, kind, kinds.boundary, 2.0 * ends.reach / _lengths(ends))
     a, b = ends.ends[row, 0], ends.ends[row, 1]
     made = np.stack([a + t[:, None] * (b - a) for t in spans.T], axis=1)
@@ -87,7 +91,7 @@ def stitched(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: StitchK
     ), replaced  # fmt: skip
 
 
-def _open_ends(surfaces: Surfaces, adjacency: Adjacency) -> _Ends:
+def _open_ends(surfaces: Surfaces, adjacency: Adjacency, sharp: Flags) -> _Ends:
     first = adjacency.edge_start[:-1]
     half_edge = adjacency.edge_halfedges[first].astype(np.int64)
     edge = np.flatnonzero((adjacency.edge_counts == 1) & surfaces.exact[half_edge // 3] & surfaces.bounded[half_edge // 3])
@@ -96,7 +100,7 @@ def _open_ends(surfaces: Surfaces, adjacency: Adjacency) -> _Ends:
     ends = surfaces.points[adjacency.edges[edge]]
     if not len(edge):
         return _Ends(edge, triangle, edge, ends, np.zeros((0, 3)), np.zeros(0))
-    pairs = np.flatnonzero(adjacency.edge_counts == 2)
+    pairs = np.flatnonzero((adjacency.edge_counts == 2) & ~sharp)
     one, other = (adjacency.edge_halfedges[first[pairs] + k] // 3 for k in (0, 1))
     piece = component_labels(len(surfaces.triangles), one, other)[triangle].astype(np.int64)
     normals = corner_normals(surfaces, adjacency, adjacency.edge_counts != 2).reshape(-1, 3)
@@ -114,7 +118,7 @@ def _lengths(ends: _Ends) -> Floats:
 
 
 def _fineness(ends: _Ends) -> Indices:
-    """By pieces of surface: their places in the order of the mean length of their open ends, the finest first."""
+    """By faces: their places in the order of the mean length of their open ends, the finest first."""
     n = int(ends.piece.max(initial=-1)) + 1
     count = np.maximum(np.bincount(ends.piece, minlength=n), 1)
     made = np.empty(n, dtype=np.int64)
@@ -141,7 +145,7 @@ def _beside(surfaces: Surfaces, ends: _Ends) -> tuple[Indices, Indices, Floats, 
         step = np.arange(len(i)) - np.repeat(np.cumsum(count[some]) - count[some], count[some])
         j = order[first[i] + step]
         near = (low[i] <= high[j] + ends.reach[i, None]).all(axis=1) & (low[j] <= high[i] + ends.reach[i, None]).all(axis=1)
-        near &= (ends.piece[i] != ends.piece[j]) & (surfaces.instance[ends.triangle[i]] == surfaces.instance[ends.triangle[j]])
+        near &= (i != j) & (surfaces.instance[ends.triangle[i]] == surfaces.instance[ends.triangle[j]])
         found.append(_overlaps(ends, i[near], j[near]))
         begin = end
     i, j, span, apart = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -160,7 +164,9 @@ def _overlaps(ends: _Ends, i: Indices, j: Indices) -> tuple[Indices, Indices, Fl
         at = a + span[:, k, None] * way
         u = np.clip(((at - p) * other).sum(axis=1) / other_squared, 0.0, 1.0)
         apart = np.maximum(apart, np.linalg.norm(p + u[:, None] * other - at, axis=1))
-    kept = (np.abs(cosine) > _ALONG) & (span[:, 0] < span[:, 1]) & (apart <= ends.reach[i])
+    # Of one face only what lies in one place is a seam; what runs along itself farther away is a narrow part of it.
+    reach = np.where(ends.piece[i] == ends.piece[j], _ONE_FACE, 1.0) * ends.reach[i]
+    kept = (np.abs(cosine) > _ALONG) & (span[:, 0] < span[:, 1]) & (apart <= reach)
     return i[kept], j[kept], span[kept], apart[kept]
 
 

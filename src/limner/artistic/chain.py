@@ -23,7 +23,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
-_LEAST_SMOOTH = 3.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_LEAST_SMOOTH = 2.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_LEAST_DASH = 4.0  # pixels: of parts of these that are hidden
 _LEAST_SEEN = 1.0  # pixels: of whole chains of these that are seen
 _SPECK = 0.1  # of all lines of a shape: what is longer is no speck of it
 _SAME = 0.1  # pixels that a stroke may stray for having fewer points
@@ -225,7 +226,7 @@ def _without_specks(found: Thrown, path: _Path) -> _Path:
     run = np.cumsum(begins) - 1
     length = np.bincount(run, path.length)[run]
     chain = np.bincount(path.chain, path.length)[path.chain]
-    short = np.where(path.hidden_by > 0, length < path.least, chain < _LEAST_SEEN)
+    short = np.where(path.hidden_by > 0, length < _LEAST_DASH, chain < _LEAST_SEEN)
     kept = ~short | (path.least == _LEAST) | (chain > _SPECK * whole)
     joined = path.joined.copy()
     joined[1:] &= kept[:-1]

@@ -33,10 +33,11 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-_BESIDE = 4e-3  # of a shape's extent: how far the ends of two surfaces that meet may lie apart
+_BESIDE = 2e-3  # of a shape's extent: how far the ends of two surfaces that meet may lie apart
 _ALONG = 0.9  # cosine between edges that run along each other
 _ONE_FACE = 1e-2  # of that: how far, where both are of one face
-_PAIRS = 1 << 21  # that are looked at together
+_CELL = 4.0  # times the median length of the edges: the sides of a grid's cells
+_MOST_PARTS = 100_000  # that edges are cut into for it
 
 
 class StitchKinds(NamedTuple):
@@ -128,28 +129,43 @@ def _fineness(ends: _Ends) -> Indices:
 
 def _beside(surfaces: Surfaces, ends: _Ends) -> tuple[Indices, Indices, Floats, Floats]:
     """Edges i along which edges j of other surfaces of the shape run, from where to where of i, (n, 2), and how far away, (n,)."""
-    low, high = ends.ends.min(axis=1), ends.ends.max(axis=1)
-    axis = int(np.ptp(low, axis=0).argmax()) if len(low) else 0
-    order = np.argsort(low[:, axis], kind="stable")
-    starts = low[order, axis]
-    widest = float((high - low)[:, axis].max(initial=0.0))
-    first = np.searchsorted(starts, low[:, axis] - ends.reach - widest)
-    count = np.searchsorted(starts, high[:, axis] + ends.reach, side="right") - first
-    total = np.cumsum(count)
-    found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros(0))]
-    begin = 0
-    while begin < len(count):
-        end = max(int(np.searchsorted(total, (total[begin - 1] if begin else 0) + _PAIRS)), begin + 1)
-        some = np.arange(begin, end)
-        i = np.repeat(some, count[some])
-        step = np.arange(len(i)) - np.repeat(np.cumsum(count[some]) - count[some], count[some])
-        j = order[first[i] + step]
-        near = (low[i] <= high[j] + ends.reach[i, None]).all(axis=1) & (low[j] <= high[i] + ends.reach[i, None]).all(axis=1)
-        near &= (i != j) & (surfaces.instance[ends.triangle[i]] == surfaces.instance[ends.triangle[j]])
-        found.append(_overlaps(ends, i[near], j[near]))
-        begin = end
-    i, j, span, apart = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return i, j, span, apart
+    i, j = _near_pairs(ends)
+    near = (i != j) & (surfaces.instance[ends.triangle[i]] == surfaces.instance[ends.triangle[j]])
+    for low, high in zip(ends.ends.min(axis=1).T.copy(), ends.ends.max(axis=1).T.copy(), strict=True):
+        i, j = i[near], j[near]
+        reach = np.where(ends.piece[i] == ends.piece[j], _ONE_FACE, 1.0) * ends.reach[i]
+        near = (low[i] <= high[j] + reach) & (low[j] <= high[i] + reach)
+    return _overlaps(ends, i[near], j[near])
+
+
+def _near_pairs(ends: _Ends) -> tuple[Indices, Indices]:
+    """Pairs of edges that have a cell of a grid in common, some more than once: each edge is in all that a part of it comes near to."""
+    n, lengths = len(ends.edge), _lengths(ends)
+    if not n:
+        return ends.edge, ends.edge
+    size = max(float(_CELL * np.median(lengths)), 2.0 * float(ends.reach.max()), float(lengths.sum()) / _MOST_PARTS)
+    parts = np.ceil(lengths / size).astype(np.int64)
+    row, k = np.repeat(np.arange(n), parts), _count_up(parts)
+    way = (ends.ends[row, 1] - ends.ends[row, 0]) / parts[row, None]
+    start = ends.ends[row, 0] + k[:, None] * way
+    margin = 0.5 * ends.reach[row, None]
+    low = np.floor((np.minimum(start, start + way) - margin) / size).astype(np.int64)
+    wide = np.floor((np.maximum(start, start + way) + margin) / size).astype(np.int64) - low + 1
+    low -= low.min(axis=0)
+    cells = wide.prod(axis=1)
+    row, low, wide, k = np.repeat(row, cells), np.repeat(low, cells, axis=0), np.repeat(wide, cells, axis=0), _count_up(cells)
+    at = low + np.stack([k % wide[:, 0], k // wide[:, 0] % wide[:, 1], k // (wide[:, 0] * wide[:, 1])], axis=1)
+    most = at.max(axis=0) + 1
+    held = np.unique(((at[:, 0] * most[1] + at[:, 1]) * most[2] + at[:, 2]) * n + row)
+    cell, row = held // n, held % n
+    first = np.searchsorted(cell, cell)
+    count = np.searchsorted(cell, cell, side="right") - first
+    return np.repeat(row, count), row[np.repeat(first, count) + _count_up(count)]
+
+
+def _count_up(count: Indices) -> Indices:
+    """0 to count - 1 for each, one after the other."""
+    return np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
 
 
 def _overlaps(ends: _Ends, i: Indices, j: Indices) -> tuple[Indices, Indices, Floats, Floats]:

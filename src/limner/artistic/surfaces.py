@@ -165,8 +165,8 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
         if mesh.normals is None or kept is None:
             groups = _smooth_groups(adjacency, sharp) if groups is None else groups
             _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
-            corners = local.reshape(-1, 3)
-            made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], corners)[corners]
+            local = local.reshape(-1, 3)
+            made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local)[local]
             continue
         corners = (mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles)[kept]
         if np.linalg.det(matrix[:3, :3]) < 0.0:

@@ -23,6 +23,7 @@ __all__ = ["curvature_tensors", "suggestive_contours"]
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of axes: a tensor of curvature is symmetric
 _SMOOTHED = 3  # times that curvature is averaged with that of the neighbours
 _LEAST_TURN = 0.2  # cosine between normal and ray: nearer to the silhouette there would be two lines for one
 _LEAST_CHANGE = 0.5  # of curvature along the surface towards the eye, times the square of the object's extent over 10
@@ -71,26 +72,24 @@ def curvature_tensors(points: Floats, triangles: Indices, normals: Floats) -> Fl
     tu, tv = np.einsum("mki,mi->mk", turns, u), np.einsum("mki,mi->mk", turns, v)
     # Least squares for e, f, g in [e f; f g] side = turn, of three sides.
     uu, uv, vv = (su * su).sum(axis=1), (su * sv).sum(axis=1), (sv * sv).sum(axis=1)
-    zero = np.zeros(len(uu))
-    matrix = np.stack([np.stack([uu, uv, zero], 1), np.stack([uv, uu + vv, uv], 1), np.stack([zero, uv, vv], 1)], axis=1)
-    wanted = np.stack([(su * tu).sum(axis=1), (su * tv + sv * tu).sum(axis=1), (sv * tv).sum(axis=1)], axis=1)
-    matrix[~safe] = np.eye(3)
-    wanted[~safe] = 0.0
-    e, f, g = np.linalg.solve(matrix, wanted[:, :, None])[:, :, 0].T
-    tensors = (
-        e[:, None, None] * u[:, :, None] * u[:, None]
-        + f[:, None, None] * (u[:, :, None] * v[:, None] + v[:, :, None] * u[:, None])
-        + g[:, None, None] * v[:, :, None] * v[:, None]
-    )
-    made = _at_points(triangles, tensors * double_area[:, None, None], double_area, len(points))
+    one, two, three = (su * tu).sum(axis=1), (su * tv + sv * tu).sum(axis=1), (sv * tv).sum(axis=1)
+    # [uu uv 0; uv uu + vv uv; 0 uv vv] (e f g) = (one two three), by Cramer's rule.
+    flat = uu * vv - uv * uv
+    divisor = (uu + vv) * flat
+    divisor = np.where(safe & (divisor > 0.0), divisor, np.inf)
+    e = (one * (flat + vv * vv) - uv * (two * vv - uv * three)) / divisor
+    f = (uu * (two * vv - uv * three) - one * uv * vv) / divisor
+    g = (three * (flat + uu * uu) - uv * (two * uu - uv * one)) / divisor
+    columns = [e * u[:, i] * u[:, j] + f * (u[:, i] * v[:, j] + v[:, i] * u[:, j]) + g * v[:, i] * v[:, j] for i, j in _PAIRS]
+    total = np.bincount(triangles.reshape(-1), np.repeat(double_area, 3), len(points))
+    share = 1.0 / np.where(total > 0.0, total, 1.0)
+    made = [_at_points(triangles, column * double_area, share) for column in columns]
     for _ in range(_SMOOTHED):
-        made = _at_points(triangles, made[triangles].mean(axis=1) * double_area[:, None, None], double_area, len(points))
-    return made
+        made = [_at_points(triangles, at_point[triangles].sum(axis=1) * (double_area / 3.0), share) for at_point in made]
+    xx, yy, zz, xy, xz, yz = made
+    return np.asarray(np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=1).reshape(-1, 3, 3))
 
 
-def _at_points(triangles: Indices, weighted: Floats, weights: Floats, n_points: int) -> Floats:
-    """Means at points of what triangles have, (m, 3, 3), given times their weights."""
-    corner = triangles.reshape(-1)
-    total = np.bincount(corner, np.repeat(weights, 3), n_points)
-    columns = [np.bincount(corner, np.repeat(column, 3), n_points) for column in weighted.reshape(-1, 9).T]
-    return np.asarray(np.stack(columns, axis=1).reshape(-1, 3, 3) / np.where(total > 0.0, total, 1.0)[:, None, None])
+def _at_points(triangles: Indices, weighted: Floats, share: Floats) -> Floats:
+    """Means at points of what triangles have, (m,), given times their weights; `share`, (n,), is one by the weights round a point."""
+    return np.asarray(np.bincount(triangles.reshape(-1), np.repeat(weighted, 3), len(share)) * share)

@@ -158,7 +158,9 @@ def drawing_of(
     Notes
     -----
     Exact shapes are drawn by the triangles that stand for them, a tenth of a pixel from their surface; infinite planes have no lines but
-    those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn.
+    those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn, for as long as it is
+    there. A "silhouette" is smooth where triangles are too small to be told from the smooth surface that they stand for, and runs along
+    edges elsewhere; a "smooth_silhouette" is smooth everywhere. Strokes have the points that they need to be right to a tenth of a pixel.
 
     **Source**: FoCG 10.3.1.
     """

@@ -27,12 +27,13 @@ def bracket() -> limner.Scene:
     return limner.Scene(root=limner.Node(shapes=(limner.Shape(drilled),)), name="bracket")
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """In first angle, on A4."""
-    sheet = technical_sheet(bracket(), views=("front", "top", "left", "iso"), paper="A4", unit="mm", dimensions=True)
+    views = ("front", "top") if small else ("front", "top", "left", "iso")
+    sheet = technical_sheet(bracket(), views=views, paper="A4", unit="mm", dimensions=True)
     sheet.save(target)
     print(f"{target}: {sheet.facts['lines']} lines at {sheet.facts['scale']}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "bracket.svg")
+    main(sys.argv[1] if len(sys.argv) > 1 else "bracket.svg", "--small" in sys.argv)

@@ -15,8 +15,6 @@ from limner.linear.transform import translate
 from limner.produce.drawing import drawing
 from limner.produce.stylized import stylized
 
-WIDTH, HEIGHT = 420, 320
-
 
 def scene() -> limner.Scene:
     """A teapot's company: a torus, a ball on it, and a box behind."""
@@ -30,9 +28,10 @@ def scene() -> limner.Scene:
     return limner.Scene(root=limner.Node(children=nodes), camera=camera)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Six pictures side by side."""
-    size = {"width": WIDTH, "height": HEIGHT}
+    width, height = (84, 64) if small else (420, 320)
+    size = {"width": width, "height": height}
     pictures = [
         drawing(scene(), style="plain", **size).image(),
         drawing(scene(), style="sketch", tone="hatching", **size).image(),
@@ -41,14 +40,14 @@ def main(target: str) -> None:
         drawing(scene(), style="sketch", fill=True, **size).image(),
         stylized(scene(), style="gooch", lines=True, **size),
     ]
-    sheet = Canvas(3 * WIDTH, 2 * HEIGHT, background="white")
+    sheet = Canvas(3 * width, 2 * height, background="white")
     for index, picture in enumerate(pictures):
         row, column = divmod(index, 3)
-        sheet.paste(picture, column * WIDTH, row * HEIGHT)
+        sheet.paste(picture, column * width, row * height)
     image = sheet.image()
     image.save(target)
     print(f"{target}: {len(pictures)} styles, {float(np.mean(image.pixels[..., 0] < 0.5)):.0%} ink")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "styles.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "styles.png", "--small" in sys.argv)

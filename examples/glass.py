@@ -76,11 +76,12 @@ def scene() -> limner.Scene:
     )
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw it with soft shadows."""
-    image = limner.render(scene(), width=800, height=450, renderer="ray", samples=36, sampler="multijittered", max_depth=12)
+    width, height, samples = (128, 72, 4) if small else (800, 450, 36)
+    image = limner.render(scene(), width=width, height=height, renderer="ray", samples=samples, sampler="multijittered", max_depth=12)
     image.save(target)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "glass.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "glass.png", "--small" in sys.argv)

@@ -108,7 +108,7 @@ def rows() -> list[list[Mesh]]:
     ]  # fmt: skip
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = []
     for k, row in enumerate(rows()):
@@ -121,9 +121,10 @@ def main(target: str) -> None:
             nodes.append(limner.Node(parent_from_node=place, shapes=(limner.Shape(mesh, paints),)))
     camera = limner.Camera.look_at((0, 17, 21), (0, 0, 5.0), yfov_degrees=30)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.4, 0.45, 0.5)))
-    limner.render(scene, width=1200, height=800, renderer="ray", samples=8).save(target)
+    width, height, samples = (150, 100, 1) if small else (1200, 800, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} meshes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "mesh_primitives.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "mesh_primitives.png", "--small" in sys.argv)

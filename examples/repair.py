@@ -39,7 +39,7 @@ def smooth(mesh: limner.Mesh) -> limner.Mesh:
     return limner.Mesh(mesh.positions, mesh.triangles, normals=vertex_normals(mesh.positions, mesh.triangles), name=mesh.name)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Repair in two steps, and show all three side by side."""
     torn = broken()
     sewn, first = repair(torn)
@@ -54,9 +54,10 @@ def main(target: str) -> None:
     ]
     camera = limner.Camera.look_at((0, 1.5, 12), (0, -0.1, 0), yfov_degrees=20)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera, background=(0.9, 0.9, 0.9))
-    limner.render(scene, width=960, height=340, samples=8).save(target)
+    width, height, samples = (240, 85, 2) if small else (960, 340, 8)
+    limner.render(scene, width=width, height=height, samples=samples).save(target)
     print(f"{target}: {first.welded_vertices} vertices welded, {second.filled_holes} hole filled")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "repair.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "repair.png", "--small" in sys.argv)

@@ -1,8 +1,8 @@
 """Smooth surfaces from coarse meshes (FoCG 12.1, 15): three schemes of subdivision, step by step, and creases.
 
 Rows from the back: Catmull and Clark from a chair of cubes (after one step, two, three, and the limit), Loop from an icosahedron with
-spikes and Kobbelt's root of three from a torus of few triangles (the coarse mesh, one step, two, the limit). In front a cube by Catmull and
-Clark, its lower and its upper square creased for 0, 1, 2 and all steps.
+spikes and Kobbelt's root of three from a torus of few triangles (the coarse mesh, one step, two, the limit). In front a cube by Catmull
+and Clark, its lower and its upper square creased for 0, 1, 2 and all steps.
 
     python examples/subdivision.py subdivision.png
 """
@@ -82,7 +82,7 @@ def rows() -> list[list[Mesh]]:
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = []
     for k, row in enumerate(rows()):
@@ -93,9 +93,10 @@ def main(target: str) -> None:
             nodes.append(limner.Node(parent_from_node=place, shapes=(limner.Shape(mesh, (paint,)),)))
     camera = limner.Camera.look_at((0, 16, 20), (0, 0, 4.7), yfov_degrees=28)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.42, 0.44, 0.47)))
-    limner.render(scene, width=1000, height=800, renderer="ray", samples=8).save(target)
+    width, height, samples = (150, 120, 1) if small else (1000, 800, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {sum(len(row) for row in rows())} meshes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "subdivision.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "subdivision.png", "--small" in sys.argv)

@@ -5,7 +5,7 @@
     python docs/make_gallery.py --page            the page alone
 
 The words are the examples' own: the first paragraph of a docstring is the headline, the rest stands below the picture. A picture is a JPEG,
-at most 800 pixels wide; one of few colours is a PNG where that is smaller; clips stay as they were written.
+at most 800 pixels wide, a drawing a PNG of 64 colours; clips stay as they were written.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import ast
 import runpy
 import sys
 import tempfile
-from io import BytesIO
 from pathlib import Path
 
 from PIL import Image
@@ -46,6 +45,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 
 SUFFIXES = {"turntable": ".webp", "animation_clip": ".webp"}  # what is no PNG
+
+DRAWINGS = {"drawing_sheet", "draw_lines", "draw_shapes", "drawing_styles", "wireframes", "curve_drawings", "antialiasing"}
 
 HEAD = """# Gallery
 
@@ -97,11 +98,12 @@ def keep(made: Path, name: str) -> Path:
     with Image.open(made) as opened:
         picture = opened.convert("RGB")
     picture.thumbnail((WIDEST, WIDEST), Image.Resampling.LANCZOS)
-    photo, chart = BytesIO(), BytesIO()
-    picture.save(photo, "JPEG", quality=84, optimize=True, progressive=True)
-    picture.quantize(64).save(chart, "PNG", optimize=True)
-    kept = PICTURES / (f"{name}.png" if len(chart.getvalue()) < len(photo.getvalue()) else f"{name}.jpg")
-    kept.write_bytes(min(photo.getvalue(), chart.getvalue(), key=len))
+    if name in DRAWINGS:
+        kept = PICTURES / f"{name}.png"
+        picture.quantize(64).save(kept, optimize=True)
+    else:
+        kept = PICTURES / f"{name}.jpg"
+        picture.save(kept, quality=86, optimize=True, progressive=True)
     return kept
 
 

@@ -56,7 +56,7 @@ def main(target: str, small: bool = False) -> None:
         nodes.append(limner.Node(parent_from_node=translate(x, 0.9, 0), shapes=(limner.Shape(limner.Sphere(0.9), (material,)),)))
         turned = translate(x, 0.75, 2.2) @ rotate((0, 1, 0), 0.5) @ rotate((1, 0, 0), 0.9)
         nodes.append(limner.Node(parent_from_node=turned, shapes=(limner.Shape(other, (material,)),)))
-    camera = limner.Camera.look_at((0, 5.5, 12), (0, 0.6, 1.0), yfov_degrees=32)
+    camera = limner.Camera.look_at((0, 5.5, 12), (0, 0.75, 1.0), yfov_degrees=29)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.45, 0.46, 0.5)))
     width, height, samples = (192, 96, 1) if small else (960, 480, 8)
     limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)

@@ -24,7 +24,7 @@ def scene() -> limner.Scene:
         limner.Node(parent_from_node=translate(0.0, 1.2, 0.0), shapes=(limner.Shape(limner.Sphere(0.8), sky),)),
         limner.Node(parent_from_node=translate(-1.2, 0.75, -2.2), shapes=(limner.Shape(limner.Box((1.4, 1.5, 1.4)), leaf),)),
     )
-    camera = limner.Camera.look_at((2.6, 2.8, 5.2), (-0.2, 0.75, -0.5), yfov_degrees=35)
+    camera = limner.Camera.look_at((3.6, 2.8, 4.6), (-0.15, 0.85, -0.5), yfov_degrees=27)
     return limner.Scene(root=limner.Node(children=nodes), camera=camera)
 
 

@@ -42,7 +42,7 @@ def main(target: str, small: bool = False) -> None:
         limner.Node(parent_from_node=translate((k % 4 - 1.5) * 2.1, 0.9, (k // 4) * 2.2) @ rotate((0, 1, 0), 0.4), shapes=(shape,))
         for k, shape in enumerate(shapes)
     ]
-    camera = limner.Camera.look_at((0, 6.5, 11), (0, 0.6, 1.0), yfov_degrees=32)
+    camera = limner.Camera.look_at((0, 6.5, 11), (0, 0.6, 1.0), yfov_degrees=27.5)
     ground = limner.Lambert((1, 1, 1), texture=Checker(((0.35, 0.37, 0.4), (0.5, 0.52, 0.55)), scale=0.7, offset=(0, 0.5, 0)))
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(ground)
     width, height, samples = (192, 108, 1) if small else (960, 540, 8)

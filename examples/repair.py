@@ -27,7 +27,7 @@ def broken() -> limner.Mesh:
     whole = torus(1.0, 0.4)
     corners = whole.positions[whole.triangles]
     middle = corners.mean(axis=1)
-    kept = np.linalg.norm(middle - (0.9, 0.35, 0.5), axis=1) > 0.35
+    kept = np.linalg.norm(middle - (0.9, 0.35, 0.5), axis=1) > 0.5
     corners = corners[kept]
     over = np.random.default_rng(3).random(len(corners)) < 0.33
     corners[over] = corners[over][:, ::-1]
@@ -46,7 +46,7 @@ def main(target: str, small: bool = False) -> None:
     whole, second = repair(sewn, fill_holes=True)
     for mesh, done in ((torn, "as it was"), (sewn, first), (whole, second)):
         print(topology_report(mesh), f"  ({', '.join(str(done).splitlines())})", sep="\n")
-    clay = limner.BlinnPhong(diffuse=(0.75, 0.45, 0.3), specular=(0.2, 0.2, 0.2), exponent=40)
+    clay = limner.BlinnPhong(diffuse=(0.75, 0.45, 0.3), specular=(0.2, 0.2, 0.2), exponent=40, double_sided=False)
     lean = rotate((1, 0, 0), 0.9)
     nodes = [
         limner.Node(parent_from_node=in_order(lean, translate(x, 0, 0)), shapes=(limner.Shape(smooth(mesh), (clay,)),))

@@ -15,6 +15,7 @@ from typing import get_args
 import numpy as np
 
 import limner
+from limner.draw.canvas import Canvas
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.light import AmbientLight
 from limner.scene.material import Lambert
@@ -48,8 +49,11 @@ def main(target: str, small: bool = False) -> None:
     size = (96, 64) if small else (384, 256)
     tiles = [floor(name, 1, *size) for name in get_args(Filter)]
     tiles.append(floor("bilinear", 64, *size))
-    sheet = np.concatenate([np.concatenate(tiles[k : k + 3], axis=1) for k in (0, 3)], axis=0)
-    limner.Image(sheet).save(target)
+    sheet = Canvas(3 * size[0], 2 * size[1], "white")
+    for k, (words, tile) in enumerate(zip((*get_args(Filter), "64 samples"), tiles, strict=True)):
+        x, y = k % 3 * size[0], k // 3 * size[1]
+        sheet.paste(limner.Image(tile), x, y).text(x + 10, y + 22, words, "white", 15)
+    sheet.image().save(target)
     print(f"{target}: {', '.join(get_args(Filter))}, 64 samples")
 
 

@@ -54,7 +54,7 @@ def main(target: str, small: bool = False) -> None:
     canvas = Canvas.on(limner.render(scene, width=width, height=height, samples=samples))
     for k, (name, mesh, _, x) in enumerate(PARTS):
         top = mesh.bounds[1, 1] if name != "seal" else 0.5
-        (foot, head), _ = camera.project(np.array([(x, top, 0.0), (x, 1.35 + 0.22 * (k % 2), 0.0)]), width, height)
+        (foot, head), _ = camera.project(np.array([(x, top, 0.0), (x, 1.2 + 0.2 * (k % 2), 0.0)]), width, height)
         canvas.line(*foot, *head, "#555555", 1.0)
         canvas.text(head[0], head[1] - 6, f"{k + 1}  {name}", "#222222", 9 if small else 16, "center")
     canvas.image().save(target)

@@ -30,8 +30,8 @@ def scene() -> limner.Scene:
     nodes = (
         limner.Node("pot", rotate((0, 1, 0), 0.3), shapes=(limner.Shape(limner.primitives.teapot(10, 0.7), clay),)),
         limner.Node("ball", translate(1.15, 0.35, 0.7), shapes=(limner.Shape(limner.Sphere(0.35), gray),)),
-        lamp("warm", (-2.6, 2.0, 1.6), (1.0, 0.62, 0.3), 9.0),
-        lamp("cold", (2.8, 2.4, 0.6), (0.35, 0.6, 1.0), 9.0),
+        lamp("warm", (-2.6, 2.0, 1.6), (1.0, 0.62, 0.3), 30.0),
+        lamp("cold", (2.8, 2.4, 0.6), (0.35, 0.6, 1.0), 30.0),
     )
     camera = limner.Camera.look_at((0.4, 1.7, 4.6), (0.15, 0.5, 0.0), yfov_degrees=30)
     return limner.Scene(limner.Node(children=nodes), camera).with_ground(gray)
@@ -44,7 +44,7 @@ def seen(values: np.ndarray) -> limner.Image:
 
 def main(target: str, small: bool = False) -> None:
     """Render once, show six things."""
-    width, height, samples = (64, 48, 4) if small else (400, 300, 144)
+    width, height, samples = (64, 48, 4) if small else (400, 300, 81)
     image = limner.render(
         scene(), width=width, height=height, renderer="path", samples=samples, aovs=("light_groups", "depth", "normal", "instance_id"),
     )  # fmt: skip

@@ -1,6 +1,6 @@
 """What glTF's materials can do, one step at a time: roughness, metal, clear coat, sheen, iridescence, anisotropy, transmission.
 
-Each row changes one number from left to right, in a room of large lamps, ray traced with glossy reflections.
+Each row changes one number from left to right, in a room of large lamps: ray traced with glossy reflections, and filtered.
 
     python examples/material_chart.py materials.png
 """
@@ -52,8 +52,10 @@ def main(target: str, small: bool = False) -> None:
     ]
     camera = limner.OrthographicCamera.look_at((0, 0, 10), (0, 0, 0), height=6.7)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera, (0.2, 0.21, 0.23), environment=room())
-    side, samples = (96, 1) if small else (840, 36)
-    image = limner.render(scene, width=side, height=side, renderer="ray", samples=samples, sampler="multijittered", glossy=True)
+    side, samples = (96, 1) if small else (720, 16)
+    image = limner.render(
+        scene, width=side, height=side, renderer="ray", samples=samples, sampler="multijittered", glossy=True, denoise="filter"
+    )
     sheet = Canvas(side, side + 10, "#7a7c80").paste(image, 0, 10)
     for row, words in enumerate(ROWS):
         sheet.text(side / 2, 16 + (row + 0.06) * 1.1 / 6.7 * side, words, "white", 14, "center")

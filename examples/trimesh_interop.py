@@ -25,7 +25,7 @@ def thickness(positions: np.ndarray, triangles: np.ndarray, normals: np.ndarray)
 
 
 def main(target: str, small: bool = False) -> None:
-    """A bar bell: two balls and a rod, thin where it is red."""
+    """A dumb-bell on its end, thin where it is blue."""
     try:
         import trimesh
     except ImportError:
@@ -37,10 +37,10 @@ def main(target: str, small: bool = False) -> None:
     outline[[0, -1], 0] = 0.0
     turned = trimesh.creation.revolve(outline, sections=24 if small else 96)
     deep = thickness(turned.vertices, turned.faces, turned.vertex_normals)
-    ends = (0.0, float(np.nanpercentile(deep, 98)))
+    ends = (0.0, float(np.nanpercentile(deep, 85)))
     mesh = limner.Mesh(turned.vertices.astype(np.float32), turned.faces.astype(np.int32), normals=turned.vertex_normals.astype(np.float32))
     shown = limner.color_by(mesh, deep, "turbo", range=ends)
-    camera = limner.Camera.look_at((3.4, -3.2, 1.6), (0, 0, 0), up=(0, 0, 1), yfov_degrees=32)
+    camera = limner.Camera.look_at((3.4, -3.6, 1.4), (0, 0, 0), up=(0, 0, 1), yfov_degrees=37)
     root = limner.Node(shapes=(limner.Shape(shown, limner.Lambert((1.0, 1.0, 1.0))),))
     width, height = (120, 80) if small else (840, 560)
     scene = limner.Scene(root, camera, background=(0.92, 0.92, 0.93))

@@ -1,4 +1,4 @@
-"""Antialiasing (FoCG 8.3, 3.7, 13.4.1): a fan of thin spokes, magnified; one sample, several, and wider filters.
+"""Antialiasing (FoCG 8.3, 9.2, 13.4.1): a fan of thin spokes, magnified; one sample, several, and wider filters.
 
 One sample in each pixel turns edges into stairs and thin spokes into dots. More samples give grey levels; a wider filter than the box
 takes what moiré is left, and some sharpness with it.

@@ -1,4 +1,4 @@
-"""Noise, and how it goes (FoCG 14.4, 23): few paths, four times as many, sixteen times, and few paths with a filter.
+"""Noise, and how it goes (FoCG 14.3, 23): few paths, four times as many, sixteen times, and few paths with a filter.
 
 Four times the paths halve the noise. The filter looks at what is free of noise (colour of the surface, normal, depth) to tell an edge
 from a speck, and gets from a dozen paths what would take hundreds, at the price of a little bias in soft shadows.

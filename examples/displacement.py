@@ -76,7 +76,7 @@ def main(target: str, small: bool = False) -> None:
     brick = limner.Lambert((0.5, 0.2, 0.12))
     sand = limner.Lambert((0.62, 0.48, 0.3))
     ball = project_uvs(primitives.sphere(1.0, 24), "sphere", axis="y")
-    moon = limner.Shape(ball, (grey,), displacement=Displacement(texture(craters(512, 1024)), 0.35, 0.5))
+    moon = limner.Shape(ball, (grey,), displacement=Displacement(texture(craters(64, 128) if small else craters(512, 1024)), 0.35, 0.5))
     studded = texture(studs())
     ring = limner.Shape(
         limner.Torus(0.8, 0.3), (green,),

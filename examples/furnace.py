@@ -1,8 +1,8 @@
-"""The furnace (FoCG 20.2, 23): balls of every albedo in an evenly lit room; what loses no light vanishes.
+"""The furnace (FoCG 18, 23): balls of every albedo in an evenly lit room; what loses no light vanishes.
 
 In a white room of radiance 1, a surface that reflects all light shows 1 everywhere and cannot be told from the room. Above, Lambert's
 balls of albedo 1, 0.8 and 0.5, each of which must show just its albedo, as closed form says; below, clear glass, a perfect mirror, and
-rough metal, which is a little darker than white: light that its facets scatter twice is left out of the formula.
+metal at its roughest, which is dark: light that its facets scatter a second time is left out of the formula, two thirds of it.
 
     python examples/furnace.py furnace.png
 """

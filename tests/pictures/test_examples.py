@@ -123,9 +123,10 @@ def keep(names: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found[name] = fingerprint(made(name, Path(folder)))
+        lines = (f"{json.dumps(key)}: {json.dumps(found[key], separators=(',', ':'))}" for key in sorted(set(found) & set(NAMES)))
+        KEPT.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
         sys.stdout.write(f"{name}: {time.process_time() - start:.2f} s\n")
-    lines = (f"{json.dumps(name)}: {json.dumps(found[name], separators=(',', ':'))}" for name in sorted(set(found) & set(NAMES)))
-    KEPT.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":

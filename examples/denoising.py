@@ -1,7 +1,7 @@
 """Noise, and how it goes (FoCG 14.3, 23): few paths, four times as many, sixteen times, and few paths with a filter.
 
 Four times the paths halve the noise. The filter looks at what is free of noise (colour of the surface, normal, depth) to tell an edge
-from a speck, and gets from a dozen paths what would take hundreds, at the price of a little bias in soft shadows.
+from a speck, and gets from eight paths what would take a hundred, at the price of a little bias in soft shadows.
 
     python examples/denoising.py denoising.png
 """
@@ -18,7 +18,7 @@ from limner.draw.canvas import Canvas
 
 def main(target: str, small: bool = False) -> None:
     """The same scene four times, and how far each is from the best of them."""
-    side, few = (40, 2) if small else (240, 12)
+    side, few = (40, 2) if small else (200, 8)
     scene = limner.builtin("cornell")
     options = {"width": side, "height": side, "renderer": "path"}
     pictures = {f"{k * few} paths": limner.render(scene, samples=k * few, **options) for k in (1, 4, 16)}

@@ -44,7 +44,7 @@ def seen(values: np.ndarray) -> limner.Image:
 
 def main(target: str, small: bool = False) -> None:
     """Render once, show six things."""
-    width, height, samples = (64, 48, 4) if small else (400, 300, 81)
+    width, height, samples = (64, 48, 4) if small else (320, 240, 25)
     image = limner.render(
         scene(), width=width, height=height, renderer="path", samples=samples, aovs=("light_groups", "depth", "normal", "instance_id"),
     )  # fmt: skip

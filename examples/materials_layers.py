@@ -64,7 +64,7 @@ def main(target: str, small: bool = False) -> None:
     camera = limner.Camera.look_at((0, 6, 14), (0, 0.8, 1.2), yfov_degrees=32)
     scene = limner.Scene(limner.Node(children=(*nodes, lamp)), camera=camera, environment=limner.Environment((0.35, 0.4, 0.5)))
     scene = scene.with_ground(limner.Lambert((0.3, 0.3, 0.3)))
-    width, height, samples = (96, 54, 4) if small else (720, 405, 48)
+    width, height, samples = (96, 54, 4) if small else (560, 315, 16)
     limner.render(scene, width=width, height=height, renderer="path", samples=samples, denoise="filter").save(target)
     print(f"{target}: {len(nodes)} materials")
 

@@ -15,7 +15,7 @@ import limner
 
 def main(target: str, small: bool = False) -> None:
     """One call."""
-    sheet = limner.stages("teapot", width=160 if small else 400, samples=4 if small else 16, title="the teapot's way to the picture")
+    sheet = limner.stages("teapot", width=320 if small else 400, samples=2 if small else 16, title="the teapot's way to the picture")
     sheet.image.save(target)
     print(f"{target}: {len(sheet.facts)} facts about it, among them {', '.join(list(sheet.facts)[:5])}")
 

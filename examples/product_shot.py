@@ -62,7 +62,7 @@ def scene() -> limner.Scene:
 
 def main(target: str, small: bool = False) -> None:
     """Paths, and the noise that is left filtered out."""
-    width, height, samples = (96, 54, 4) if small else (720, 405, 96)
+    width, height, samples = (96, 54, 4) if small else (640, 360, 24)
     limner.render(scene(), width=width, height=height, renderer="path", samples=samples, denoise="filter").viewed("agx").save(target)
     print(f"{target}: {samples} paths a pixel")
 

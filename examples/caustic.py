@@ -32,7 +32,7 @@ def scene() -> limner.Scene:
 
 def main(target: str, small: bool = False) -> None:
     """By rays, and by paths."""
-    width, height, samples = (64, 48, 16) if small else (320, 240, 64)
+    width, height, samples = (64, 48, 16) if small else (320, 240, 128)
     sheet = Canvas(2 * width, height, "black")
     sheet.paste(limner.render(scene(), width=width, height=height, renderer="ray", samples=16, sampler="multijittered"), 0, 0)
     sheet.paste(limner.render(scene(), width=width, height=height, renderer="path", samples=samples, denoise="filter"), width, 0)

@@ -62,8 +62,8 @@ def scene() -> limner.Scene:
 
 def main(target: str, small: bool = False) -> None:
     """Paths, and the noise that is left filtered out."""
-    width, height, samples = (96, 54, 4) if small else (640, 360, 24)
-    limner.render(scene(), width=width, height=height, renderer="path", samples=samples, denoise="filter").viewed("agx").save(target)
+    width, height, samples = (96, 54, 4) if small else (640, 360, 48)
+    limner.render(scene(), width=width, height=height, renderer="path", samples=samples, denoise="filter").viewed("agx", 0.7).save(target)
     print(f"{target}: {samples} paths a pixel")
 
 

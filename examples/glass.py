@@ -78,7 +78,7 @@ def scene() -> limner.Scene:
 
 def main(target: str, small: bool = False) -> None:
     """Draw it with soft shadows."""
-    width, height, samples = (128, 72, 4) if small else (800, 450, 36)
+    width, height, samples = (128, 72, 4) if small else (720, 405, 16)
     image = limner.render(scene(), width=width, height=height, renderer="ray", samples=samples, sampler="multijittered", max_depth=12)
     image.save(target)
 

@@ -1,4 +1,4 @@
-"""What glTF's materials can do, one step at a time: roughness, metal, clear coat, sheen, iridescence, anisotropy, transmission.
+"""What glTF's materials can do, one step at a time: roughness, metal, clear coat, sheen, iridescence, anisotropy.
 
 Each row changes one number from left to right, in a room of large lamps: ray traced with glossy reflections, and filtered.
 

@@ -61,7 +61,7 @@ def main(target: str, small: bool = False) -> None:
         for column, material in enumerate(row)
     ]
     lamp = limner.Node(parent_from_node=translate(-4, 8, 6), lights=(limner.SphereLight(intensity=60.0, radius=0.8),))
-    camera = limner.Camera.look_at((0, 6, 14), (0, 0.8, 1.2), yfov_degrees=27)
+    camera = limner.Camera.look_at((0, 6, 14), (0, 0.8, 1.2), yfov_degrees=30)
     scene = limner.Scene(limner.Node(children=(*nodes, lamp)), camera=camera, environment=limner.Environment((0.35, 0.4, 0.5)))
     scene = scene.with_ground(limner.Lambert((0.3, 0.3, 0.3)))
     width, height, samples = (96, 54, 4) if small else (560, 315, 16)

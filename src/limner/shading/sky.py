@@ -23,6 +23,7 @@ from .iridescence import film_reflectance
 from .layered import facets_reflectance, given_back
 from .lobes import Bsdf, Layers
 from .multiscatter import energy_gain
+from .oren_nayar import rough_matte_sent_on
 from .prefilter import blurred_radiance, facets_share, sent_on
 from .sheen import sheen_sent_on
 
@@ -201,6 +202,8 @@ def _from_layers(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
     layers, bits = bsdf.layers, bsdf.layered
     n_v, roughness = max(dot(bsdf.ns, wo), ZERO), sqrt(bsdf.roughness2)
     total = bsdf.diffuse * (sky_irradiance(lighting, bsdf.ns) * INV_PI) * (ONE - layers.shield)
+    if bits & ROUGH_MATTE != 0:
+        total = total * rough_matte_sent_on(layers.matte_roughness, n_v)
     if bits & MATTE_ONLY == 0 and bits & ROUGH_MATTE == 0:
         n = bsdf.ns
         if bits & ANISOTROPY != 0:

@@ -56,7 +56,8 @@ def main(target: str) -> None:
     ball = limner.primitives.sphere(1.0, 64)
     nodes = [
         limner.Node(
-            parent_from_node=translate((column - (len(row) - 1) / 2) * STEP, 1.0, k * 1.25 * STEP), shapes=(limner.Shape(ball, (material,)),)
+            parent_from_node=translate((column - (len(row) - 1) / 2) * STEP, 1.0, k * 1.25 * STEP),
+            shapes=(limner.Shape(ball, (material,)),),
         )
         for k, row in enumerate(MATERIALS)
         for column, material in enumerate(row)

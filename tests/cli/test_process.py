@@ -33,7 +33,7 @@ def test_help_names_every_command(limner_process: Run) -> None:
     assert done.returncode == 0
     for command in ("dataset", "info", "render", "warmup"):
         assert f"  {command} " in done.stdout
-    assert "--renderer [raster|ray|path]" in limner_process("render", "--help").stdout
+    assert "--renderer [raster|ray|path|lines]" in limner_process("render", "--help").stdout
 
 
 def test_without_a_command_the_help_is_on_standard_error(limner_process: Run) -> None:

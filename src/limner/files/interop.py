@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..color.transfer import linear_from_srgb
 from ..errors import FileFormatError, LimnerError, SceneError, UnsupportedError
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.material import AlphaMode, Lambert, Material, MetallicRoughness
 from ..scene.node import Node
 from ..scene.points import PointCloud
@@ -92,7 +93,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
 
     Parameters
     ----------
-    thing : Scene | Node | Shape | Mesh | PointCloud | path | trimesh | (vertices, triangles) | object
+    thing : Scene | Node | Shape | Mesh | PointCloud | LineSet | path | trimesh | (vertices, triangles) | object
         A path is loaded, unless it is the name of a built-in scene ("teapot", "cornell"); an object of some other library needs
         `vertices`, and `faces` or `triangles`.
     limits : Limits
@@ -110,7 +111,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
         return Scene(thing, name=thing.name)
     if isinstance(thing, Shape):
         return Scene(Node(shapes=(thing,)))
-    if isinstance(thing, (Mesh, PointCloud)):
+    if isinstance(thing, (Mesh, PointCloud, LineSet)):
         return Scene(Node(shapes=(Shape(thing, (_plain(thing.colors),)),)))
     if isinstance(thing, (tuple, list)) and len(thing) == 2:
         return scene_from_arrays(*thing)
@@ -122,7 +123,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
     if hasattr(thing, "vertices") and triangles is not None and not callable(triangles):
         return scene_from_arrays(thing.vertices, triangles)
     raise SceneError(
-        "scene must be a Scene, the path of a model, the name of a built-in, a Mesh, a PointCloud, a trimesh mesh or scene, "
+        "scene must be a Scene, the path of a model, the name of a built-in, a Mesh, a PointCloud, a LineSet, a trimesh mesh or scene, "
         f"(vertices, triangles), or have vertices and faces, got {type(thing).__name__}"
     )
 

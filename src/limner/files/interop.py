@@ -117,7 +117,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
         return scene_from_arrays(*thing)
     if (hasattr(thing, "graph") and hasattr(thing, "geometry")) or (hasattr(thing, "faces") and hasattr(thing, "visual")):
         return scene_from_trimesh(thing, limits=limits)
-    if _is_cloud(thing):
+    if _is_cloud(thing) or _is_path(thing):
         return scene_from_trimesh(thing, limits=limits)
     triangles = getattr(thing, "faces", getattr(thing, "triangles", None))
     if hasattr(thing, "vertices") and triangles is not None and not callable(triangles):
@@ -134,6 +134,11 @@ def _plain(colors: NDArray[np.float32] | None) -> Material:
         return Lambert()
     blended = colors.shape[1] == 4 and bool((colors[:, 3] < 1.0).any())
     return Lambert((1.0, 1.0, 1.0), alpha_mode="blend" if blended else "opaque")
+
+
+def _is_path(thing: Any) -> bool:
+    """Whether something is a `trimesh.path.Path3D`: curves, which it can say as points along them."""
+    return hasattr(thing, "entities") and hasattr(thing, "vertices") and np.ndim(thing.vertices) == 2 and thing.vertices.shape[1] == 3
 
 
 def _is_cloud(thing: Any) -> bool:
@@ -198,16 +203,16 @@ def scene_from_trimesh(given: Any, *, limits: Limits = DEFAULT, notes: Notes | N
         out.
     limits : Limits
 
-    Raises SceneError where there are neither triangles nor points.
+    Raises SceneError where there are neither triangles, points nor lines.
     """
     notes = notes if notes is not None else Notes()
     placed: list[tuple[str, NDArray[np.float64], Any]]
-    if hasattr(given, "faces") or _is_cloud(given):
+    if hasattr(given, "faces") or _is_cloud(given) or _is_path(given):
         placed = [("mesh", np.eye(4), given)]
     elif hasattr(given, "graph") and hasattr(given, "geometry"):
         placed = [(str(node), *_placed_geometry(given, node)) for node in given.graph.nodes_geometry]
     else:
-        raise SceneError(f"expected a trimesh.Trimesh, PointCloud or Scene, got {type(given).__name__}")
+        raise SceneError(f"expected a trimesh.Trimesh, PointCloud, Path3D or Scene, got {type(given).__name__}")
     shapes: dict[int, Shape | None] = {}
     nodes = []
     for name, matrix, geometry in placed:
@@ -251,6 +256,8 @@ def _placed_geometry(scene: Any, node: Any) -> tuple[NDArray[np.float64], Any]:
 def _shape(geometry: Any, name: str, limits: Limits, notes: Notes) -> Shape | None:
     if _is_cloud(geometry) and len(geometry.vertices):
         return _cloud(geometry, name, limits)
+    if _is_path(geometry) and len(geometry.entities):
+        return _lines(geometry, name, limits)
     if not hasattr(geometry, "faces") or not len(geometry.faces):
         notes.slip("left out, it has no triangles", quoted(name))
         return None
@@ -281,6 +288,22 @@ def _cloud(geometry: Any, name: str, limits: Limits) -> Shape:
         positions = np.array(geometry.vertices, dtype=np.float32)
     colors = _linear_colors(geometry.colors) if np.shape(geometry.colors) == (len(positions), 4) else None
     return Shape(PointCloud(positions, colors, name=name), (_plain(colors),))
+
+
+def _lines(geometry: Any, name: str, limits: Limits) -> Shape:
+    """The curves of a path as lines through the points along them."""
+    curves = [np.asarray(entity.discrete(geometry.vertices), dtype=np.float64) for entity in geometry.entities]
+    n_points = sum(map(len, curves))
+    if n_points > limits.max_vertices:
+        raise SceneError(f"has {n_points} points, the limit is {limits.max_vertices} (max_vertices)")
+    starts = np.cumsum([0, *map(len, curves)])[:-1].tolist()
+    first = np.concatenate([start + np.arange(len(curve) - 1) for start, curve in zip(starts, curves, strict=True)])
+    with np.errstate(over="ignore"):
+        positions = np.concatenate(curves).astype(np.float32)
+    colors = None
+    if np.shape(geometry.colors) == (len(curves), 4):
+        colors = np.repeat(_linear_colors(geometry.colors), [len(curve) for curve in curves], axis=0)
+    return Shape(LineSet(positions, np.stack([first, first + 1], axis=1), colors, name=name), (_plain(colors),))
 
 
 def _assemble(geometry: Any, positions: NDArray[np.float32], triangles: NDArray[Any], kept: NDArray[np.bool_], name: str) -> Shape:

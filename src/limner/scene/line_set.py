@@ -116,7 +116,8 @@ class LineSet:
     @cached_property
     def shown(self) -> NDArray[np.bool_]:
         """(m,) bool: which segments are finite."""
-        return np.asarray(np.isfinite(self.positions).all(axis=1)[self.ends].all(axis=1))
+        finite = np.asarray(np.isfinite(self.positions).all(axis=1))
+        return np.asarray(finite[self.ends].all(axis=1))
 
     @cached_property
     def _used(self) -> tuple[Floats, Floats]:

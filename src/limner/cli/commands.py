@@ -14,6 +14,7 @@ from .draw import KINDS as LINE_KINDS
 from .draw import LINE_STYLES, PICTURE_STYLES
 from .explain import explain
 from .mesh import mesh
+from .model import model_up as _model_up
 from .schema import schema
 from .screen import screen as _screen
 from .talk import Talk
@@ -158,7 +159,8 @@ def render(context: click.Context, /, **options: Any) -> None:
         limner render model.glb -o lines.svg --renderer lines --style technical
         limner render model.glb -o tinted.png --style gooch --lines
 
-    What a scene file says about its picture counts unless the command line says otherwise. Ctrl-C stops early and saves the picture so far.
+    What a scene file, or one of Mitsuba, says about its picture counts unless the command line says otherwise. Ctrl-C stops early and
+    saves the picture so far.
     """
     from .render import Order, make_picture
 
@@ -184,17 +186,22 @@ def _check_style(renderer: str, style: str | None) -> None:
 
 
 def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[str, Any]:
-    """Put the settings of a scene file in the place of defaults; return those for which there is no option."""
-    if not options["model"].lower().endswith((".yaml", ".yml", ".limner")):
+    """Put the settings of a scene file, or of a Mitsuba scene, in the place of defaults; return those for which there is no option."""
+    model = options["model"]
+    if model.lower().endswith((".yaml", ".yml", ".limner")):
+        from ..files.scene_file import settings_of
+    elif model.lower().endswith(".xml"):
+        from ..files.mitsuba import settings_of
+    else:
         return {}
-    from ..files.scene_file import settings_of
-
     further = {}
-    for name, value in settings_of(options["model"]).items():
+    for name, value in settings_of(model).items():
         if name not in options:
             further[name] = value
         elif context.get_parameter_source(name) is click.core.ParameterSource.DEFAULT:
             options[name] = value
+    if options["renderer"] != "raster" and context.get_parameter_source("filter") is click.core.ParameterSource.DEFAULT:
+        options["filter"] = "box"  # what a file says of another renderer's filter
     return further
 
 
@@ -202,6 +209,7 @@ def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[s
 @click.argument("model")
 @click.option("--report", is_flag=True, help="Tell what of the file was read, approximated, ignored, replaced or repaired.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@_model_up
 @_voice
 @click.pass_obj
 def info(talk: Talk, model: str, report: bool, as_json: bool) -> None:
@@ -234,6 +242,7 @@ def info(talk: Talk, model: str, report: bool, as_json: bool) -> None:
 @click.option("--resume", is_flag=True, help="Go on with what is in the folder.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the data set as JSON on standard output.")
+@_model_up
 @_voice
 @click.pass_obj
 def dataset(talk: Talk, /, **options: Any) -> None:
@@ -324,6 +333,7 @@ def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_
 @click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
 @click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
 @_screen
+@_model_up
 @_voice
 @click.pass_obj
 def convert(talk: Talk, /, **options: Any) -> None:
@@ -369,6 +379,7 @@ def convert(talk: Talk, /, **options: Any) -> None:
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
 @_screen
+@_model_up
 @_voice
 @click.pass_obj
 def turntable(talk: Talk, /, **options: Any) -> None:
@@ -416,6 +427,7 @@ def turntable(talk: Talk, /, **options: Any) -> None:
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell about the clip as JSON on standard output.")
 @_screen
+@_model_up
 @_voice
 @click.pass_obj
 def animate(talk: Talk, /, **options: Any) -> None:
@@ -447,6 +459,7 @@ def animate(talk: Talk, /, **options: Any) -> None:
 @click.option("--own-lights", is_flag=True, help="Light it with its own lights instead of one beside the camera.")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell the facts as JSON on standard output.")
+@_model_up
 @_voice
 @click.pass_obj
 def views(talk: Talk, /, **options: Any) -> None:
@@ -479,6 +492,7 @@ def views(talk: Talk, /, **options: Any) -> None:
 @click.option("--yfov", type=float, metavar="DEG", help="The full vertical field of view, degrees.  [default: 40]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell the numbers as JSON on standard output.")
+@_model_up
 @_voice
 @click.pass_obj
 def stages(talk: Talk, /, **options: Any) -> None:
@@ -577,6 +591,7 @@ def draw(talk: Talk, /, **options: Any) -> None:
 @click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="Of --shaded.")
 @click.option("--samples", type=click.IntRange(1, MAX_SAMPLES), help="Of --shaded.  [default: the renderer's]")
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
+@_model_up
 @_voice
 @click.pass_obj
 def wireframe(talk: Talk, /, **options: Any) -> None:
@@ -688,6 +703,7 @@ def chart(talk: Talk, /, **options: Any) -> None:
 @click.option("--threads", type=click.IntRange(1, 1024), help="[default: all cores]")
 @click.option("--json", "as_json", is_flag=True, help="Tell what became of each model as JSON on standard output.")
 @_screen
+@_model_up
 @_voice
 @click.pass_obj
 def thumbnails(talk: Talk, /, **options: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from .model import model_up
 from .talk import Talk, flattened
 from .voice import voice
 
@@ -23,6 +24,7 @@ _MAX_SAMPLES = 1 << 20
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--no-picture", is_flag=True, help="Look at the description only: draw nothing.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@model_up
 @voice
 @click.pass_obj
 def doctor(talk: Talk, /, **options: Any) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from .model import model_up
 from .talk import Talk
 from .values import TRIPLE, Triple
 from .voice import voice
@@ -74,6 +75,7 @@ class _SampleType(click.ParamType["int | str"]):
 @click.option("--yfov", type=click.FloatRange(0.0, 180.0, min_open=True, max_open=True), metavar="DEG", help="[default: 40]")
 @click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 @click.option("--levels", type=click.IntRange(0, 1000), metavar="N", help="How deep the tree is shown as text.  [default: to its leaves]")
+@model_up
 @voice
 @click.pass_obj
 def explain(talk: Talk, /, **options: Any) -> None:

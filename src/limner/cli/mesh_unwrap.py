@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .model import open_model
+from .model import model_up, open_model
 from .talk import Talk, flattened
 from .voice import voice
 
@@ -59,6 +59,7 @@ class Order:
     "--show", type=click.Choice(["conformal", "area", "stretch"]), default="conformal", show_default=True,
     help="What the colours of --chart tell.",
 )  # fmt: skip
+@model_up
 @voice
 @click.pass_obj
 def unwrap(talk: Talk, /, **options: Any) -> None:

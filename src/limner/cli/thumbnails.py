@@ -10,6 +10,7 @@ import click
 from ..errors import LimnerError
 from .bar import Bar
 from .main import FAILED, INTERRUPTED
+from .model import said_up
 from .talk import Talk, flattened
 from .values import Background
 
@@ -59,6 +60,7 @@ def make_thumbnails(order: Order, talk: Talk) -> None:
             size=order.size,
             recursive=order.recursive,
             update=order.update,
+            up=said_up(),
             renderer=order.renderer,
             samples=order.samples,
             view=order.view,

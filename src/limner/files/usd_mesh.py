@@ -359,7 +359,7 @@ class Geometries:
             return None, None
         length = np.linalg.norm(placed[0], axis=1, keepdims=True)
         unit = placed[0] / np.where(length > 0.0, length, 1.0)
-        return np.where(length > 0.0, unit, np.float32([0.0, 1.0, 0.0])).astype(np.float32), placed[1]
+        return np.where(length > 0.0, unit, np.array([0.0, 1.0, 0.0], dtype=np.float32)).astype(np.float32), placed[1]
 
     def _colors(self, given: _Values | None, faces: _Faces, n_positions: int, prim: Any) -> Floats | None:
         """Colours of positions; those of faces and corners as the mean of what meets there."""

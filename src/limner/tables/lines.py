@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 Levels = NDArray[np.int8]
 
 _CORNERS = (3, 5, 9, 17, 33)  # of prisms
+_SEEN = 0.5  # of an outline's error: the girth is right, and most of a joint lies inside the tubes that it joins
 _OPEN = 0.2  # pixels by which two tubes may gape that turn into each other without a joint
 _BENT = 0.05  # of a radius, how far a cut segment's may be from the truth
 _CUTS = 8  # halvings of a segment, at most
@@ -64,7 +65,7 @@ def line_mesh(lines: LineSet, matrix: Floats, sight: Sight, stand_ins: StandIns)
     tubes = _tubes(lines, matrix, sight)
     tubes = _cut(tubes, sight, lines.width_pixels) if in_world else tubes
     pixels = _pixel_radii(tubes, None if in_world else matrix, sight, lines.width_pixels)
-    sides = fineness(pixels, np.array(_prism_errors()), np.array([2 * n for n in _CORNERS]))
+    sides = fineness(pixels, _SEEN * np.array(_prism_errors()), np.array([2 * n for n in _CORNERS]))
     seen = (tuple(sight.eye), tuple(sight.towards), sight.pixels_per_unit, matrix.tobytes()) if in_world else ()
     state = hashlib.blake2b(_content(lines) + sides.tobytes() + repr(seen).encode(), digest_size=12)
     # Joints are as fine as the pixels ask: their size belongs to the name as well.
@@ -226,7 +227,7 @@ def _joints(tubes: _Tubes, pixels: NDArray[np.float32]) -> list[_Part]:
     places, radii = tubes.places.reshape(-1, 3)[chosen], tubes.radii.reshape(-1)[chosen]
     colors = None if tubes.colors is None else tubes.colors.reshape(-1, tubes.colors.shape[2])[chosen]
     solids = round_solids()
-    levels = fineness(seen, np.array(solid_errors()), np.array([len(solid.triangles) for solid in solids]))
+    levels = fineness(seen, _SEEN * np.array(solid_errors()), np.array([len(solid.triangles) for solid in solids]))
     parts = []
     for level, solid in enumerate(solids):
         here = np.flatnonzero(levels == level)

@@ -9,7 +9,7 @@ import click
 
 from .bar import Bar
 from .clips import checked_kind, close, scene_of
-from .model import numbered
+from .model import model_up, numbered
 from .options import (
     as_json,
     background,
@@ -86,6 +86,7 @@ class Order:
 @threads()
 @as_json("Tell about the clip as JSON on standard output.")
 @screen
+@model_up
 @voice
 @click.pass_obj
 def animate(talk: Talk, /, **options: Any) -> None:

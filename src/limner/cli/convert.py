@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .destination import check_picture
-from .model import open_model
+from .model import model_up, open_model
 from .options import MAX_SIDE, seed, weights
 from .screen import screen
 from .talk import Talk
@@ -62,6 +62,7 @@ class Order:
 @click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
 @click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
 @screen
+@model_up
 @voice
 @click.pass_obj
 def convert(talk: Talk, /, **options: Any) -> None:

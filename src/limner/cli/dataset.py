@@ -9,7 +9,7 @@ import click
 
 from .bar import Bar
 from .main import INTERRUPTED
-from .model import open_model
+from .model import model_up, open_model
 from .options import as_json, background, check_size, check_yfov, environment, orbit, renderer, samples, seed, size, threads
 from .surroundings import surrounded
 from .talk import Talk
@@ -69,6 +69,7 @@ class Order:
 @click.option("--resume", is_flag=True, help="Go on with what is in the folder.")
 @threads()
 @as_json("Tell about the data set as JSON on standard output.")
+@model_up
 @voice
 @click.pass_obj
 def dataset(talk: Talk, /, **options: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from .model import model_up, open_model
 from .options import as_json, environment, renderer, samples
 from .surroundings import surrounded
 from .talk import Talk, flattened
@@ -21,6 +22,7 @@ __all__ = ["doctor"]
 @environment
 @click.option("--no-picture", is_flag=True, help="Look at the description only: draw nothing.")
 @as_json()
+@model_up
 @voice
 @click.pass_obj
 def doctor(talk: Talk, /, **options: Any) -> None:
@@ -34,7 +36,6 @@ def doctor(talk: Talk, /, **options: Any) -> None:
     The exit code is 0 whatever is found.
     """
     from ..explain.doctor import doctor as examine
-    from .model import open_model
 
     scene = open_model(options["model"])
     scene = surrounded(scene, options["environment"])

@@ -9,8 +9,8 @@ import click
 
 from ..errors import LimnerError
 from .bar import Bar
-from .model import numbered, open_model
-from .options import as_json, check_paper, check_size, crease, model_up, paper, sight, size, threads
+from .model import model_up, numbered, open_model
+from .options import as_json, check_paper, check_size, crease, paper, sight, size, threads
 from .sight import Sight, check_camera, chosen_camera
 from .styles import LINE_STYLES
 from .talk import Talk
@@ -53,7 +53,6 @@ class Order:
     yfov: float | None
     background: Background
     dpi: float | None
-    model_up: str
     threads: int | None
     as_json: bool
 
@@ -73,8 +72,6 @@ class PictureOrder(Sight, Protocol):
     def time(self) -> float | None: ...
     @property
     def animation(self) -> str | int | None: ...
-    @property
-    def model_up(self) -> str: ...
     @property
     def background(self) -> Background | None: ...
     @property
@@ -101,7 +98,7 @@ class PictureOrder(Sight, Protocol):
 @sight
 @paper
 @click.option("--dpi", type=click.FloatRange(1.0, 4800.0), help="Of a picture.  [default: 150 of a sheet, else 96]")
-@model_up()
+@model_up
 @threads("Of --tone and --fill.  [default: all cores]")
 @as_json("Tell about the drawing as JSON on standard output.")
 @voice
@@ -127,7 +124,7 @@ def draw(talk: Talk, /, **options: Any) -> None:
 def _make_drawing(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     check_output(order.output)
-    scene = open_model(order.model, order.model_up)
+    scene = open_model(order.model)
     talk.note(scene.notes)
     wanted: dict[str, Any] = {"crease_degrees": order.crease}
     if order.kinds is not None:
@@ -158,7 +155,7 @@ def _make_drawing(order: Order, talk: Talk) -> None:
 def draw_picture(order: PictureOrder, talk: Talk) -> None:
     """Fulfil what `limner render --renderer lines` asks for."""
     check_output(order.output)
-    scene = open_model(order.model, order.model_up, order.scene)
+    scene = open_model(order.model, scene=order.scene)
     if order.variant is not None:
         from ..scene.variants import with_variant
 

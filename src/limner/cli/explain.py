@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from .model import model_up, open_model
 from .options import MAX_SIDE, environment, max_depth, renderer, samples, seed, sight
 from .sight import check_camera, chosen_camera
 from .surroundings import surrounded
@@ -70,6 +71,7 @@ class _SampleType(click.ParamType["int | str"]):
 @sight
 @environment
 @click.option("--levels", type=click.IntRange(0, 1000), metavar="N", help="How deep the tree is shown as text.  [default: to its leaves]")
+@model_up
 @voice
 @click.pass_obj
 def explain(talk: Talk, /, **options: Any) -> None:
@@ -86,7 +88,6 @@ def explain(talk: Talk, /, **options: Any) -> None:
     _check(options)
     check_camera(order)
     from ..explain.explain import explain as tell
-    from .model import open_model
 
     scene = open_model(options["model"])
     talk.note(scene.notes)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .model import open_model, report_of_model
+from .model import model_up, open_model, report_of_model
 from .options import as_json, report
 from .talk import Talk, flattened
 from .voice import voice
@@ -27,6 +27,7 @@ _SHOWN = 20  # of a long list
 @click.argument("model")
 @report
 @as_json()
+@model_up
 @voice
 @click.pass_obj
 def info(talk: Talk, model: str, report: bool, as_json: bool) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .model import open_model
+from .model import model_up, open_model
 from .options import as_json
 from .talk import Talk, flattened
 from .voice import voice
@@ -55,6 +55,7 @@ def mesh() -> None:
 )  # fmt: skip
 @click.option("--closed", is_flag=True, help="Ask for closed surfaces, too.")
 @as_json()
+@model_up
 @voice
 @click.pass_obj
 def check(talk: Talk, model: str, weld: float | None, closed: bool, as_json: bool) -> None:
@@ -97,6 +98,7 @@ def check(talk: Talk, model: str, weld: float | None, closed: bool, as_json: boo
 @mesh.command(short_help="Measure the meshes of a model.")
 @click.argument("model")
 @as_json()
+@model_up
 @voice
 @click.pass_obj
 def info(talk: Talk, model: str, as_json: bool) -> None:
@@ -125,6 +127,7 @@ def info(talk: Talk, model: str, as_json: bool) -> None:
 @click.option("--split", is_flag=True, help="Cut surfaces apart where they are no manifold.")
 @click.option("--no-orient", is_flag=True, help="Turn no triangles over.")
 @as_json("Tell what was done as JSON on standard output.")
+@model_up
 @voice
 @click.pass_obj
 def repair(talk: Talk, /, **options: Any) -> None:
@@ -144,6 +147,7 @@ def repair(talk: Talk, /, **options: Any) -> None:
 @mesh.command(short_help="Write a model in another format.")
 @click.argument("model")
 @click.option("-o", "--output", required=True, metavar="OUT", help="The model to write; its extension says the format.")
+@model_up
 @voice
 @click.pass_obj
 def convert(talk: Talk, model: str, output: str) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .destination import check_canvas, put_canvas
-from .model import open_model
+from .model import model_up, open_model
 from .options import as_json
 from .talk import Talk, flattened
 from .voice import voice
@@ -60,6 +60,7 @@ class Order:
     "--show", type=click.Choice(["conformal", "area", "stretch"]), default="conformal", show_default=True,
     help="What the colours of --chart tell.",
 )  # fmt: skip
+@model_up
 @voice
 @click.pass_obj
 def unwrap(talk: Talk, /, **options: Any) -> None:

@@ -21,7 +21,7 @@ from .values import BACKGROUND, TRIPLE, Background
 
 __all__ = [
     "MAX_PIXELS", "MAX_SAMPLES", "MAX_SEED", "MAX_SIDE", "RENDERERS", "as_json", "background", "camera", "check_outlets", "check_paper",
-    "check_size", "check_yfov", "clip_output", "crease", "environment", "ground", "max_depth", "model_up", "orbit", "paper", "place",
+    "check_size", "check_yfov", "clip_output", "crease", "environment", "ground", "max_depth", "orbit", "paper", "place",
     "quality", "renderer", "report", "samples", "seed", "sight", "size", "threads", "together", "weights",
 ]  # fmt: skip
 
@@ -116,12 +116,6 @@ def orbit(azimuth: float, of_which: str, yfov: float) -> Option:
 
 
 # --- the model and what is round it ----------------------------------------------------------------------------------------------
-
-
-def model_up(text: str = "Which axis of the model points up.") -> Option:
-    """`--model-up`: files of printers and of maps have z."""
-    return click.option("--model-up", type=click.Choice(["y", "z"]), default="y", show_default=True, help=text)
-
 
 environment = click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
 ground = click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow (ray, path).")

@@ -11,7 +11,7 @@ import click
 from .bar import Bar
 from .destination import check_picture
 from .main import INTERRUPTED
-from .model import numbered, open_model, report_of_model
+from .model import numbered, open_model, report_of_model, said_up
 from .sight import chosen_camera, with_lens
 from .surroundings import surrounded
 from .talk import Talk
@@ -35,8 +35,8 @@ def make_picture(order: Order, talk: Talk) -> None:
         return
     _check_output(order)
     started = time.perf_counter()
-    report = report_of_model(order.model, order.model_up, order.scene) if order.report else None
-    scene, key = _by_numbers(order, open_model(order.model, order.model_up, order.scene) if report is None else report.scene)
+    report = report_of_model(order.model, scene=order.scene) if order.report else None
+    scene, key = _by_numbers(order, open_model(order.model, None, order.scene) if report is None else report.scene)
     if order.variant is not None:
         from ..scene.variants import with_variant
 
@@ -148,7 +148,7 @@ def _with_origin(image: Image, order: Order) -> Image:
     from ..image.recipe import Recipe
     from ..produce.again import origin
 
-    if order.model_up != "y" or order.scalars is not None or order.point_size is not None:
+    if said_up() != "y" or order.scalars is not None or order.point_size is not None:
         return image  # a recipe does not say these: of what model the picture is has to be named then
     told = origin(
         order.model, order.output, environment=order.environment, ground=order.ground, background=order.background

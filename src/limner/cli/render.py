@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from .options import as_json, background, check_size, environment, max_depth, model_up, report, samples, seed, sight, size, threads, weights
+from .model import model_up
+from .options import as_json, background, check_size, environment, max_depth, report, samples, seed, sight, size, threads, weights
 from .screen import screen
 from .sight import check_camera
 from .styles import LINE_STYLES, PICTURE_STYLES
@@ -55,7 +56,6 @@ class Order:
     aovs: tuple[str, ...]
     environment: str | None
     ground: bool
-    model_up: str
     scalars: str | None
     color_map: str
     scalar_range: tuple[float, float] | None
@@ -151,7 +151,7 @@ class Order:
 )  # fmt: skip
 @environment
 @click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
-@model_up("Which axis of the model's file points up.")
+@model_up
 @click.option("--scalars", metavar="NAME", help="Colour by the numbers of that name (PLY properties, glTF _NAME), with a key.")
 @click.option("--color-map", metavar="MAP", default="viridis", show_default=True, help="How numbers become colours: cividis, cool_warm, …")
 @click.option("--scalar-range", type=INTERVAL, metavar="LOW,HIGH", help="What the ends of the map stand for.  [default: all there is]")
@@ -181,7 +181,8 @@ def render(context: click.Context, /, **options: Any) -> None:
         limner render model.glb -o lines.svg --renderer lines --style technical
         limner render model.glb -o tinted.png --style gooch --lines
 
-    What a scene file says about its picture counts unless the command line says otherwise. Ctrl-C stops early and saves the picture so far.
+    What a scene file, or one of Mitsuba, says about its picture counts unless the command line says otherwise. Ctrl-C stops early and
+    saves the picture so far.
     """
     from .picture import make_picture
 
@@ -207,17 +208,22 @@ def _check_style(renderer: str, style: str | None) -> None:
 
 
 def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[str, Any]:
-    """Put the settings of a scene file in the place of defaults; return those for which there is no option."""
-    if not options["model"].lower().endswith((".yaml", ".yml", ".limner")):
+    """Put the settings of a scene file, or of a Mitsuba scene, in the place of defaults; return those for which there is no option."""
+    model = options["model"]
+    if model.lower().endswith((".yaml", ".yml", ".limner")):
+        from ..files.scene_file import settings_of
+    elif model.lower().endswith(".xml"):
+        from ..files.mitsuba import settings_of
+    else:
         return {}
-    from ..files.scene_file import settings_of
-
     further = {}
-    for name, value in settings_of(options["model"]).items():
+    for name, value in settings_of(model).items():
         if name not in options:
             further[name] = value
         elif context.get_parameter_source(name) is click.core.ParameterSource.DEFAULT:
             options[name] = value
+    if options["renderer"] != "raster" and context.get_parameter_source("filter") is click.core.ParameterSource.DEFAULT:
+        options["filter"] = "box"  # what a file says of another renderer's filter
     return further
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from .bar import Bar
+from .model import model_up
 from .options import as_json, camera, check_outlets, place, threads
 from .sheets import close, model_of
 from .sight import check_camera, chosen_camera
@@ -47,6 +48,7 @@ class Order:
 @place
 @threads()
 @as_json("Tell the numbers as JSON on standard output.")
+@model_up
 @voice
 @click.pass_obj
 def stages(talk: Talk, /, **options: Any) -> None:

@@ -10,6 +10,7 @@ import click
 from .bar import Bar
 from .destination import check_picture
 from .main import FAILED, INTERRUPTED
+from .model import model_up, said_up
 from .options import as_json, renderer, samples, threads
 from .screen import screen
 from .talk import Talk, flattened
@@ -54,6 +55,7 @@ class Order:
 @threads()
 @as_json("Tell what became of each model as JSON on standard output.")
 @screen
+@model_up
 @voice
 @click.pass_obj
 def thumbnails(talk: Talk, /, **options: Any) -> None:
@@ -87,6 +89,7 @@ def _make_thumbnails(order: Order, talk: Talk) -> None:
             samples=order.samples,
             view=order.view,
             exposure=order.exposure,
+            up=said_up(),
             background=None if order.background == "transparent" else order.background,
             threads=order.threads,
             on_progress=bar,

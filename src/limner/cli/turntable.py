@@ -9,6 +9,7 @@ import click
 
 from .bar import Bar
 from .clips import checked_kind, close, scene_of
+from .model import model_up
 from .options import (
     as_json,
     background,
@@ -81,6 +82,7 @@ class Order:
 @threads()
 @as_json("Tell about the clip as JSON on standard output.")
 @screen
+@model_up
 @voice
 @click.pass_obj
 def turntable(talk: Talk, /, **options: Any) -> None:

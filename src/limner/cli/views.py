@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from .bar import Bar
+from .model import model_up
 from .options import as_json, check_outlets, renderer, samples, threads
 from .sheets import close, model_of
 from .talk import Talk
@@ -45,6 +46,7 @@ class Order:
 @click.option("--own-lights", is_flag=True, help="Light it with its own lights instead of one beside the camera.")
 @threads()
 @as_json("Tell the facts as JSON on standard output.")
+@model_up
 @voice
 @click.pass_obj
 def views(talk: Talk, /, **options: Any) -> None:

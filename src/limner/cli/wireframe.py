@@ -9,7 +9,7 @@ import click
 
 from .bar import Bar
 from .destination import check_canvas, put_canvas
-from .model import open_model
+from .model import model_up, open_model
 from .options import check_paper, check_size, crease, paper, renderer, samples, sight, size, threads
 from .sight import check_camera, chosen_camera
 from .talk import Talk
@@ -59,6 +59,7 @@ class Order:
 @renderer("Of --shaded.")
 @samples("Of --shaded.  [default: the renderer's]")
 @threads()
+@model_up
 @voice
 @click.pass_obj
 def wireframe(talk: Talk, /, **options: Any) -> None:

@@ -24,6 +24,8 @@ from ..linear.transform import compose_trs
 from ..mesh.mesh import Mesh
 from ..scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from ..scene.light import DirectionalLight, Light, PointLight, SpotLight
+from ..scene.line_set import LineSet
+from ..scene.material import Material, MetallicRoughness
 from ..scene.node import MAX_DEPTH, Node, names_among_siblings
 from ..scene.points import PointCloud
 from ..scene.scene import Scene
@@ -112,6 +114,7 @@ class _Reader:
         self._moving_lights = self._animations.pointed_at("/extensions/KHR_lights_punctual/lights/")
         self._moving_cameras = self._animations.pointed_at("/cameras/")
         self._shapes: dict[int, tuple[Shape, ...]] = {}
+        self._unlit: dict[int, tuple[Material, Material]] = {}
         self._paths: dict[int, str] = {}
 
     def scene(self, wanted: str | int | None = None) -> Scene:
@@ -344,9 +347,11 @@ class _Reader:
             self._shapes[mesh] = tuple(self._shape(primitive, geometry) for primitive, geometry in found if geometry is not None)
         return self._shapes[mesh]
 
-    def _shape(self, primitive: Element, geometry: Mesh | PointCloud) -> Shape:
+    def _shape(self, primitive: Element, geometry: Mesh | PointCloud | LineSet) -> Shape:
         if isinstance(geometry, PointCloud):
             return Shape(geometry, (self._materials.of(primitive),))
+        if isinstance(geometry, LineSet):
+            return Shape(geometry, (self._line_material(primitive),))
         n_vertices, kept = self._meshes.vertices_of(geometry)
         try:
             morphs = self._rigs.morphs(primitive, geometry, n_vertices, kept)
@@ -355,6 +360,18 @@ class _Reader:
             self._notes.slip(f"neither morphed nor skinned: {without_path(error)}")
             morphs, binding = (), None
         return Shape(geometry, (self._materials.of(primitive),), morphs, binding)
+
+    def _line_material(self, primitive: Element) -> Material:
+        """The material of lines; without normals they are shown as they are, unlit.
+
+        **Source**: glTF 2.0, 3.9.7, Point and Line Materials.
+        """
+        material = self._materials.of(primitive)
+        if primitive.child("attributes").has("NORMAL") or not isinstance(material, MetallicRoughness) or material.unlit:
+            return material
+        if id(material) not in self._unlit:
+            self._unlit[id(material)] = material, dataclasses.replace(material, unlit=True)
+        return self._unlit[id(material)][1]
 
     def _weights(self, index: int) -> tuple[float, ...]:
         """How far the meshes of a node are morphed: by its own weights, else by those of its mesh."""

@@ -18,6 +18,7 @@ from ..scene.track import Interpolation, Track
 from .accessors import Accessors
 from .document import Element
 from .gltf_material import turned_transform
+from .gltf_material_parts import DISPERSION, IOR, NORMAL_SCALE, PARTS
 from .notes import Notes, quoted, without_path
 
 __all__ = ["Animations", "Names"]
@@ -31,7 +32,21 @@ _TEXTURES = {
     "normalTexture": "normal_texture",
     "occlusionTexture": "occlusion_texture",
     "emissiveTexture": "emissive_texture",
+    **{f"extensions/{part.extension}/{key}": f"{part.field}.{ours}" for part in PARTS for key, (ours, _) in part.textures.items()},
 }
+_PLAIN = {
+    "pbrMetallicRoughness/metallicFactor": ("metallic", 1),
+    "pbrMetallicRoughness/roughnessFactor": ("roughness", 1),
+    "alphaCutoff": ("alpha_cutoff", 1),
+    "normalTexture/scale": ("normal_scale", 1),
+    "occlusionTexture/strength": ("occlusion_strength", 1),
+    f"extensions/{IOR}/ior": ("ior", 1),
+    f"extensions/{DISPERSION}/dispersion": ("dispersion", 1),
+    "extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale": (f"clearcoat.{NORMAL_SCALE}", 1),
+    **{f"extensions/{part.extension}/{key}": (f"{part.field}.{ours}", 1) for part in PARTS for key, (ours, _) in part.numbers.items()},
+    **{f"extensions/{part.extension}/{key}": (f"{part.field}.{ours}", 3) for part in PARTS for key, (ours, _) in part.colors.items()},
+}
+"""Of what a pointer says about a material: our field, and how many numbers it has."""
 _DENSE = 32  # keys for each of the file's, where what is linear there is not so here
 
 Floats = NDArray[np.float64]
@@ -193,6 +208,9 @@ class Animations:
                 return
             self._read_node(index, field, sampler, names, moved, others, channel)
             return
+        if kind == "meshes":
+            self._read_weights_of_mesh(index, field, sampler, names, others, channel)
+            return
         owner, _, part = field.partition("/extensions/KHR_texture_transform/")
         if kind == "materials" and owner in _TEXTURES and part in _TRANSFORM_WIDTHS:
             self._transforms.setdefault((index, owner), {})[part] = self._track(sampler, _TRANSFORM_WIDTHS[part])
@@ -205,10 +223,24 @@ class Animations:
         name = {"materials": names.materials, "lights": names.lights, "cameras": names.cameras}[kind](index)
         others.extend(FieldChannel(kind[:-1], name, ours, track) for ours, track in made.items())  # type: ignore[arg-type]
 
+    def _read_weights_of_mesh(
+        self, index: int, field: str, sampler: Element, names: Names, others: list[Channel], channel: Element
+    ) -> None:
+        """The morphs of a mesh: of every node that shows it, and has no weights of its own."""
+        if field != "weights":
+            self._notes.add(f"the animation of {quoted(field)} is left out", channel.pointer)
+            return
+        track = self._track(sampler, None)
+        for number, path in names.nodes.items():
+            node = self._nodes[number]
+            if not node.has("weights") and node.has("mesh") and node.get_number("mesh", -1.0) == index:
+                others.append(WeightsChannel(path, track))
+
     def _collections(self) -> dict[str, list[Element]]:
         punctual = self._root.extension("KHR_lights_punctual")
         return {
             "nodes": self._nodes,
+            "meshes": self._root.array("meshes"),
             "materials": self._root.array("materials"),
             "cameras": self._root.array("cameras"),
             "lights": [] if punctual is None else punctual.array("lights"),
@@ -225,15 +257,9 @@ class Animations:
         if field == "extensions/KHR_materials_emissive_strength/emissiveStrength":
             factor = np.array(material.get_numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0))
             return {"emission": _mapped(self._track(sampler, 1), lambda v: v * factor)}
-        plain = {
-            "pbrMetallicRoughness/metallicFactor": "metallic",
-            "pbrMetallicRoughness/roughnessFactor": "roughness",
-            "alphaCutoff": "alpha_cutoff",
-            "normalTexture/scale": "normal_scale",
-            "occlusionTexture/strength": "occlusion_strength",
-        }
-        if field in plain:
-            return {plain[field]: self._track(sampler, 1)}
+        if field in _PLAIN:
+            ours, width = _PLAIN[field]
+            return {ours: self._track(sampler, width)}
         return None
 
     def _of_transform(self, material: Element, owner: str, tracks: Mapping[str, Track]) -> dict[str, Track]:

@@ -1,4 +1,4 @@
-"""Meshes of glTF: a primitive's accessors become a `Mesh`, or a `PointCloud` (glTF 2.0, section 3.7.2).
+"""Meshes of glTF: a primitive's accessors become a `Mesh`, a `PointCloud` or a `LineSet` (glTF 2.0, section 3.7.2).
 
 What the file promises is checked, what is broken in few places is repaired and noted: triangles that refer to vertices that
 do not exist or lie at infinity are left out, normals without length are replaced by those of the surface.
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import LimnerError
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
 from .accessors import Accessors
 from .document import Element
@@ -26,9 +27,9 @@ from .limits import Limits
 from .notes import Notes, without_path
 from .triangles import count_degenerate, finite_rows
 
-__all__ = ["Meshes", "compact", "fan_triangles", "strip_triangles"]
+__all__ = ["Meshes", "compact", "fan_triangles", "line_segments", "strip_triangles"]
 
-POINTS, TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 0, 4, 5, 6
+POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = range(7)
 # How far a vector may be from unit length before it is made unit; quantised normals are within.
 UNIT_TOLERANCE = 1e-3
 
@@ -61,6 +62,22 @@ def fan_triangles(corners: Indices) -> Indices:
     return corners[np.stack([first + 1, first + 2, np.zeros_like(first)], axis=1)]
 
 
+def line_segments(corners: Indices, mode: int) -> Indices:
+    """Return the segments of separate lines, of a loop or of a strip; an odd corner left over belongs to none.
+
+    **Source**: glTF 2.0, 3.7.2.1.
+
+    >>> line_segments(np.array([4, 5, 6]), LINE_LOOP).tolist()
+    [[4, 5], [5, 6], [6, 4]]
+    """
+    if mode == LINES:
+        return corners[: len(corners) // 2 * 2].reshape(-1, 2)
+    strip = np.stack([corners[:-1], corners[1:]], axis=1)
+    if mode == LINE_STRIP or len(corners) < 2:
+        return strip
+    return np.concatenate([strip, [[corners[-1], corners[0]]]])
+
+
 def compact(triangles: Indices, n_vertices: int) -> tuple[Indices, Indices | None]:
     """Leave out vertices that no triangle uses, where those are more than half.
 
@@ -80,7 +97,7 @@ class Meshes:
         self._accessors = accessors
         self._limits = limits
         self._notes = notes
-        self._built: dict[tuple[Any, ...], Mesh | PointCloud | None] = {}
+        self._built: dict[tuple[Any, ...], Mesh | PointCloud | LineSet | None] = {}
         self._n_vertices = 0
         self._n_triangles = 0
         self.n_degenerate = 0
@@ -107,8 +124,8 @@ class Meshes:
         """How many vertices the file has of a mesh, and which of them it kept (None: all)."""
         return self._kept[id(mesh)]
 
-    def of(self, primitive: Element, name: str) -> Mesh | PointCloud | None:
-        """Return the mesh of a primitive, or its points; None, with a note, where there is nothing to draw or it cannot be read."""
+    def of(self, primitive: Element, name: str) -> Mesh | PointCloud | LineSet | None:
+        """Return the mesh, points or lines of a primitive; None, with a note, where there is nothing to draw or it cannot be read."""
         try:
             key = _identity(primitive)
             if key not in self._built:
@@ -120,13 +137,10 @@ class Meshes:
             self._notes.slip(f"left out: {without_path(error)}", primitive.pointer)
             return None
 
-    def _build(self, primitive: Element, name: str) -> Mesh | PointCloud | None:
+    def _build(self, primitive: Element, name: str) -> Mesh | PointCloud | LineSet | None:
         mode = primitive.get_integer("mode", TRIANGLES)
         if mode > TRIANGLE_FAN:
             raise primitive.error(f"must be at most {TRIANGLE_FAN}, got {mode}", "mode")
-        if POINTS < mode < TRIANGLES:
-            self._notes.add("left out, lines are not drawn", primitive.pointer)
-            return None
         attributes = primitive.child("attributes")
         reference = attributes.get("POSITION")
         if reference is None:
@@ -138,6 +152,8 @@ class Meshes:
             mode = TRIANGLES  # what was a strip comes back as triangles
         if mode == POINTS:
             return self._cloud(primitive, attributes, reference, name)
+        if mode < TRIANGLES:
+            return self._lines(primitive, attributes, reference, mode, name)
         return self._assemble(primitive, attributes, reference, mode, name)
 
     def _decompress(self, primitive: Element, compressed: Element) -> None:
@@ -184,6 +200,29 @@ class Meshes:
         normals = reader.unit_vectors("NORMAL", "VEC3")
         positions = np.ascontiguousarray(positions[kept])
         return PointCloud(positions, reader.colors(), normals, scalars=reader.scalars(), name=name)
+
+    def _lines(self, primitive: Element, attributes: Element, reference: Element, mode: int, name: str) -> LineSet | None:
+        n_vertices = self._accessors.count(reference)
+        indices = primitive.get("indices")
+        n_corners = n_vertices if indices is None else self._accessors.count(indices)
+        self._n_vertices += n_vertices
+        # A segment is drawn as several triangles: what bounds these bounds the segments.
+        self._check_limits(primitive, n_corners)
+        positions = self._accessors.floats(reference, "VEC3")
+        corners = np.arange(n_vertices) if indices is None else self._accessors.indices(indices)
+        segments = line_segments(corners.astype(np.int64), mode)
+        good = np.asarray((segments < n_vertices).all(axis=1))
+        good[good] = finite_rows(positions)[segments[good]].all(axis=1)
+        if not good.all():
+            text = f"{int((~good).sum())} of {len(good)} segments have ends that do not exist or are not finite and are left out"
+            self._notes.slip(text, primitive.pointer)
+        if not good.any():
+            self._notes.add("left out, it has no lines", primitive.pointer)
+            return None
+        segments, kept = compact(segments[good], n_vertices)
+        reader = _Attributes(attributes, self._accessors, self._notes, n_vertices, kept)
+        places = np.ascontiguousarray(positions if kept is None else positions[kept])
+        return LineSet(places, segments.astype(np.int32), reader.colors(), scalars=reader.scalars(), name=name)
 
     def _assemble(self, primitive: Element, attributes: Element, reference: Element, mode: int, name: str) -> Mesh | None:
         n_vertices = self._accessors.count(reference)

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..color.transfer import linear_from_srgb
 from ..errors import FileFormatError, LimnerError, SceneError, UnsupportedError
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.material import AlphaMode, Lambert, Material, MetallicRoughness
 from ..scene.node import Node
 from ..scene.points import PointCloud
@@ -92,7 +93,7 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
 
     Parameters
     ----------
-    thing : Scene | Node | Shape | Mesh | PointCloud | path | trimesh | (vertices, triangles) | object
+    thing : Scene | Node | Shape | Mesh | PointCloud | LineSet | path | trimesh | (vertices, triangles) | object
         A path is loaded, unless it is the name of a built-in scene ("teapot", "cornell"); an object of some other library needs
         `vertices`, and `faces` or `triangles`.
     limits : Limits
@@ -110,19 +111,19 @@ def as_scene(thing: Any, *, limits: Limits = DEFAULT) -> Scene:
         return Scene(thing, name=thing.name)
     if isinstance(thing, Shape):
         return Scene(Node(shapes=(thing,)))
-    if isinstance(thing, (Mesh, PointCloud)):
+    if isinstance(thing, (Mesh, PointCloud, LineSet)):
         return Scene(Node(shapes=(Shape(thing, (_plain(thing.colors),)),)))
     if isinstance(thing, (tuple, list)) and len(thing) == 2:
         return scene_from_arrays(*thing)
     if (hasattr(thing, "graph") and hasattr(thing, "geometry")) or (hasattr(thing, "faces") and hasattr(thing, "visual")):
         return scene_from_trimesh(thing, limits=limits)
-    if _is_cloud(thing):
+    if _is_cloud(thing) or _is_path(thing):
         return scene_from_trimesh(thing, limits=limits)
     triangles = getattr(thing, "faces", getattr(thing, "triangles", None))
     if hasattr(thing, "vertices") and triangles is not None and not callable(triangles):
         return scene_from_arrays(thing.vertices, triangles)
     raise SceneError(
-        "scene must be a Scene, the path of a model, the name of a built-in, a Mesh, a PointCloud, a trimesh mesh or scene, "
+        "scene must be a Scene, the path of a model, the name of a built-in, a Mesh, a PointCloud, a LineSet, a trimesh mesh or scene, "
         f"(vertices, triangles), or have vertices and faces, got {type(thing).__name__}"
     )
 
@@ -133,6 +134,11 @@ def _plain(colors: NDArray[np.float32] | None) -> Material:
         return Lambert()
     blended = colors.shape[1] == 4 and bool((colors[:, 3] < 1.0).any())
     return Lambert((1.0, 1.0, 1.0), alpha_mode="blend" if blended else "opaque")
+
+
+def _is_path(thing: Any) -> bool:
+    """Whether something is a `trimesh.path.Path3D`: curves, which it can say as points along them."""
+    return hasattr(thing, "entities") and hasattr(thing, "vertices") and np.ndim(thing.vertices) == 2 and thing.vertices.shape[1] == 3
 
 
 def _is_cloud(thing: Any) -> bool:
@@ -197,16 +203,16 @@ def scene_from_trimesh(given: Any, *, limits: Limits = DEFAULT, notes: Notes | N
         out.
     limits : Limits
 
-    Raises SceneError where there are neither triangles nor points.
+    Raises SceneError where there are neither triangles, points nor lines.
     """
     notes = notes if notes is not None else Notes()
     placed: list[tuple[str, NDArray[np.float64], Any]]
-    if hasattr(given, "faces") or _is_cloud(given):
+    if hasattr(given, "faces") or _is_cloud(given) or _is_path(given):
         placed = [("mesh", np.eye(4), given)]
     elif hasattr(given, "graph") and hasattr(given, "geometry"):
         placed = [(str(node), *_placed_geometry(given, node)) for node in given.graph.nodes_geometry]
     else:
-        raise SceneError(f"expected a trimesh.Trimesh, PointCloud or Scene, got {type(given).__name__}")
+        raise SceneError(f"expected a trimesh.Trimesh, PointCloud, Path3D or Scene, got {type(given).__name__}")
     shapes: dict[int, Shape | None] = {}
     nodes = []
     for name, matrix, geometry in placed:
@@ -250,6 +256,8 @@ def _placed_geometry(scene: Any, node: Any) -> tuple[NDArray[np.float64], Any]:
 def _shape(geometry: Any, name: str, limits: Limits, notes: Notes) -> Shape | None:
     if _is_cloud(geometry) and len(geometry.vertices):
         return _cloud(geometry, name, limits)
+    if _is_path(geometry) and len(geometry.entities):
+        return _lines(geometry, name, limits)
     if not hasattr(geometry, "faces") or not len(geometry.faces):
         notes.slip("left out, it has no triangles", quoted(name))
         return None
@@ -280,6 +288,22 @@ def _cloud(geometry: Any, name: str, limits: Limits) -> Shape:
         positions = np.array(geometry.vertices, dtype=np.float32)
     colors = _linear_colors(geometry.colors) if np.shape(geometry.colors) == (len(positions), 4) else None
     return Shape(PointCloud(positions, colors, name=name), (_plain(colors),))
+
+
+def _lines(geometry: Any, name: str, limits: Limits) -> Shape:
+    """The curves of a path as lines through the points along them."""
+    curves = [np.asarray(entity.discrete(geometry.vertices), dtype=np.float64) for entity in geometry.entities]
+    n_points = sum(map(len, curves))
+    if n_points > limits.max_vertices:
+        raise SceneError(f"has {n_points} points, the limit is {limits.max_vertices} (max_vertices)")
+    starts = np.cumsum([0, *map(len, curves)])[:-1].tolist()
+    first = np.concatenate([start + np.arange(len(curve) - 1) for start, curve in zip(starts, curves, strict=True)])
+    with np.errstate(over="ignore"):
+        positions = np.concatenate(curves).astype(np.float32)
+    colors = None
+    if np.shape(geometry.colors) == (len(curves), 4):
+        colors = np.repeat(_linear_colors(geometry.colors), [len(curve) for curve in curves], axis=0)
+    return Shape(LineSet(positions, np.stack([first, first + 1], axis=1), colors, name=name), (_plain(colors),))
 
 
 def _assemble(geometry: Any, positions: NDArray[np.float32], triangles: NDArray[Any], kept: NDArray[np.bool_], name: str) -> Shape:

@@ -28,15 +28,16 @@ _Y_UP_FROM_Z_UP = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1
 EXTENSIONS = {
     ".gltf": "gltf", ".glb": "gltf", ".vrm": "gltf", ".obj": "obj",
     ".ply": "ply", ".stl": "stl", ".off": "off", ".3mf": "3mf", ".dae": "dae", ".xml": "mitsuba",
+    ".usd": "usd", ".usda": "usd", ".usdc": "usd", ".usdz": "usd",
     ".yaml": "scene", ".yml": "scene", ".limner": "scene",
 }  # fmt: skip
 
 # Magic numbers of models, and of what people hand over by mistake.
-_MODELS = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply"}
+_MODELS = {b"glTF": "gltf", b"ply\n": "ply", b"ply\r": "ply", b"PXR-USDC": "usd", b"#usda ": "usd"}
 _STRANGERS = {
     b"\x89PNG": "a PNG picture", b"\xff\xd8\xff": "a JPEG picture", b"GIF8": "a GIF picture", b"%PDF": "a PDF document",
     b"\x1f\x8b": "gzip-compressed (unpack it first)", b"BLENDER": "a Blender file (export it as .glb)",
-    b"Kaydara FBX": "an FBX file (convert it to .glb)", b"PXR-USDC": "a USD file (convert it to .glb)",
+    b"Kaydara FBX": "an FBX file (convert it to .glb)",
     b"version https://git-lfs": "a Git LFS pointer, not the file itself (run git lfs pull)",
 }  # fmt: skip
 _SCENE_LINE = re.compile(rb"(?:^|\n)(?:limner|\"limner\"):[ \t]*\d")
@@ -50,7 +51,7 @@ def load(path: str | os.PathLike[str], *, up: str = "y", scene: str | int | None
     ----------
     path : str or path-like
         glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY, Mitsuba scenes (.xml) and limner's own scene files (.yaml, .yml, .limner) are
-        read by limner itself; .stl, .off, .3mf and .dae need trimesh.
+        read by limner itself; .stl, .off, .3mf and .dae need trimesh, and .usd, .usda, .usdc and .usdz need usd-core.
     up : "y" | "z"
         Which axis of the file points up. "y" takes every file as it is, as glTF and limner mean it. Models for printing and construction
         (.stl, .3mf), scans (.ply) and Blender's own axes mean z: with "z" they are turned upright, (x, y, z) to (x, z, -y).
@@ -108,6 +109,10 @@ def read_model(
         from .mitsuba import read as read_mitsuba
 
         found = read_mitsuba(data, path, limits=limits, notes=notes, sources=sources)
+    elif kind == "usd":
+        from .usd import read as read_usd
+
+        found = read_usd(data, path, limits=limits, notes=notes, sources=sources)
     elif kind == "scene":
         from .scene_file import read as read_scene
 
@@ -130,7 +135,8 @@ def upright(scene: Scene) -> Scene:
 
 
 def model_format(data: bytes, path: str | os.PathLike[str]) -> str:
-    """Return which format a file is in: "scene", "gltf", "obj", "ply", "stl", "off", "3mf", "dae" or "mitsuba".
+    """Return which format a file is in: "scene", "gltf", "obj", "ply", "stl", "off", "3mf", "dae", "usd" or
+    "mitsuba".
 
     Raises FileFormatError for an empty file, or one that is plainly something else, and UnsupportedError where neither its
     extension nor its first bytes are known.

@@ -14,6 +14,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -37,7 +38,7 @@ from .mitsuba_xml import Element, read_tree
 from .notes import Notes, quoted, without_path
 from .sources import Sources
 
-__all__ = ["read"]
+__all__ = ["read", "settings_of"]
 
 _GROUPS = ("shapegroup", "instance", "merge")
 _FILES = ("obj", "ply", "serialized")
@@ -80,6 +81,22 @@ def read(
     return _Reader(read_tree(data, sources, notes, parameters), sources, notes).scene()
 
 
+def settings_of(path: str | os.PathLike[str], *, limits: Limits = DEFAULT) -> dict[str, Any]:
+    """Tell how the picture of a scene is to be made, without reading what is in the scene.
+
+    Parameters
+    ----------
+    path : str or path-like
+
+    Returns
+    -------
+    dict
+        Arguments of `limner.render`: size, samples, renderer, depth, as the first sensor and the integrator say.
+    """
+    sources, notes = Sources(path, limits), Notes()
+    return _Reader(read_tree(sources.read_model(), sources, notes, None), sources, notes).settings()
+
+
 class _Reader:
     """One scene while it is read."""
 
@@ -103,7 +120,7 @@ class _Reader:
         nodes = [node for element in self._root.children if (node := self._placed(element)) is not None]
         if len(self._cameras) > 1:
             nodes.append(Node("sensors", cameras=tuple(self._cameras)))
-        self._notes.settings["default_lights"] = False
+        self._complete_settings()
         environment: Environment | None = self._lights.environment
         if self._hides_sky and any(placed.node.lights for node in nodes for placed in node.walk()):
             text = "hide_emitters hides the sky only: lights that have a surface are seen"
@@ -115,6 +132,21 @@ class _Reader:
             environment=environment,
             notes=self._notes.lines(),
         )
+
+    def settings(self) -> dict[str, Any]:
+        """Read only how the picture is to be made."""
+        for element in self._root.children:
+            if element.tag in ("sensor", "integrator"):
+                self._placed(element)
+        self._complete_settings()
+        return self._notes.settings
+
+    def _complete_settings(self) -> None:
+        settings = self._notes.settings
+        settings["default_lights"] = False
+        # Filters that reach beyond a pixel are the rasteriser's; by rays, each sample counts in its own pixel.
+        if settings.get("renderer", "raster") != "raster" and settings.pop("filter", "box") != "box":
+            self._notes.add("the film's filter is shown as a box", kind="approximated", what="rfilter")
 
     # References
 

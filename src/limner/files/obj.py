@@ -3,6 +3,7 @@
     v 0 0 0        a position (and a colour)        f 1/1/1 2/2/1 3/3/1     a polygon: position / uv / normal, from 1
     vt 0 0         a texture coordinate             f -3 -2 -1              counted back from here
     vn 0 0 1       a normal                         usemtl red, o ball, s off
+    l 1 2 3        a line through positions
 
 `obj_text` parses; here indices are resolved, polygons cut, materials looked up, normals made. Corners keep their separate
 indices: positions are never split at texture seams or creases.
@@ -12,6 +13,7 @@ indices: positions are never split at texture seams or creases.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +25,7 @@ from numpy.typing import NDArray
 from ..color.transfer import linear_from_srgb
 from ..errors import FileFormatError, LimnerError
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.material import Lambert, Material
 from ..scene.node import Node
 from ..scene.scene import Scene
@@ -54,11 +57,11 @@ def read(
 ) -> Scene:
     """Read the bytes of an .obj file; MTL libraries and textures are looked up beside it.
 
-    One child node for each `o` that has faces; groups only name it where there is none. Faces without normals get smooth
-    ones that break at creases sharper than 40 degrees, or, where the file has smoothing groups, at their borders; those
-    under ``s off`` stay faceted. Vertex colours are taken as sRGB-encoded, as MeshLab, ZBrush and Blender write them.
+    One child node for each `o` that has faces, and one for each that has lines; groups only name it where there is none.
+    Faces without normals get smooth ones that break at creases sharper than 40 degrees, or, where the file has smoothing groups, at their
+    borders; those under ``s off`` stay faceted. Vertex colours are taken as sRGB-encoded, as MeshLab, ZBrush and Blender write them.
 
-    Raises FileFormatError, with the line, where there is no face to be read.
+    Raises FileFormatError, with the line, where there is neither a face nor a line to be read.
     """
     notes = notes if notes is not None else Notes()
     sources = sources if sources is not None else Sources(path, limits)
@@ -87,13 +90,15 @@ class _Reader:
 
     def scene(self) -> Scene:
         """Read everything."""
+        self._events = Events(self._text, self._notes)
         self._check_limits()
         self._read_vertices()
         faces, bad = read_faces(self._text)
-        self._events = Events(self._text, self._notes)
-        triangles = self._triangles(faces, bad)
+        segment_lines, segments = self._segments()
+        triangles = self._triangles(faces, bad, needed=not len(segments))
         self._slots, self._materials = self._read_materials()
         nodes = tuple(self._node(name, part) for name, part in self._parts(triangles))
+        nodes += tuple(self._line_nodes(segment_lines, segments))
         if self._n_degenerate:
             self._notes.slip(f"{self._n_degenerate} triangles have no area; they are kept")
         return Scene(Node(children=nodes), name=Path(self._text.path).stem, notes=self._notes.lines())
@@ -101,13 +106,13 @@ class _Reader:
     def _check_limits(self) -> None:
         kind = self._text.kind
         n_vertices, is_face = int(np.count_nonzero(kind == KINDS[b"v"])), kind == KINDS[b"f"]
-        n_triangles = int(np.maximum(self._text.n_numbers[is_face] - 2, 0).sum())
+        n_triangles = int(np.maximum(self._text.n_numbers[is_face] - 2, 0).sum()) + sum(map(len, self._events.polylines))
         for found, limit, what in (
             (n_vertices, self._limits.max_vertices, "vertices"), (n_triangles, self._limits.max_triangles, "triangles")
         ):  # fmt: skip
             if found > limit:
                 raise FileFormatError(f"has {found} {what}, the limit is {limit} (max_{what})", self._text.path)
-        if not is_face.any():
+        if not is_face.any() and not self._events.polylines:
             only = f", only {n_vertices} vertices" if n_vertices else ""
             raise FileFormatError(f"has no faces{only}", self._text.path)
 
@@ -138,7 +143,7 @@ class _Reader:
 
     # Faces
 
-    def _triangles(self, faces: list[Faces], malformed: list[int]) -> _Triangles:
+    def _triangles(self, faces: list[Faces], malformed: list[int], needed: bool) -> _Triangles:
         lines, corners = [], []
         n_fans, beyond, lost = 0, [], []
         for group in faces:
@@ -160,7 +165,9 @@ class _Reader:
             corners.append(resolved[np.arange(len(resolved))[:, None, None], cut].reshape(-1, 3, 3))
         self._note_faces(malformed + beyond, lost, n_fans)
         if not sum(map(len, lines)):
-            raise self._no_face(malformed, beyond, lost)
+            if needed:
+                raise self._no_face(malformed, beyond, lost)
+            return _Triangles(np.zeros(0, dtype=np.int64), np.zeros((0, 3, 3), dtype=np.int64))
         if len(lines) == 1:
             return _Triangles(lines[0], corners[0])
         all_lines = np.concatenate(lines)
@@ -169,6 +176,8 @@ class _Reader:
 
     def _no_face(self, malformed: list[int], beyond: list[int], lost: list[int]) -> FileFormatError:
         """What is wrong with the first face of a file that has no sound one."""
+        if not malformed + beyond + lost:
+            return FileFormatError("has neither faces nor lines that can be read", self._text.path)
         first = min(malformed + beyond + lost)
         if first in malformed:
             reason = "the first is not three or more corners of the form v, v/vt, v//vn or v/vt/vn"
@@ -253,6 +262,8 @@ class _Reader:
         if len(used) > self._limits.max_nodes:
             text = f"has {len(used)} objects, the limit is {self._limits.max_nodes} (max_nodes)"
             raise FileFormatError(text, self._text.path)
+        if not len(used):
+            return []
         if len(used) == 1:
             name = objects.names[used[0] - 1] if used[0] else ""
             groups = list(dict.fromkeys(self._events.groups.names))
@@ -276,6 +287,40 @@ class _Reader:
             colors=colors, triangle_materials=slots, name=name,
         )  # fmt: skip
         return Node(name=name, shapes=(Shape(mesh, materials),))
+
+    # Lines
+
+    def _segments(self) -> tuple[Integers, Integers]:
+        """The segments of all polylines: the line of the text that each comes from, (m,), and its ends, (m, 2)."""
+        lines: list[int] = []
+        found: list[tuple[int, int]] = []
+        bad: list[int] = []
+        rows = np.flatnonzero(self._text.kind == KINDS[b"v"])
+        for line, written in zip(self._events.polyline_lines, self._events.polylines, strict=True):
+            before = int(np.searchsorted(rows, line))
+            places = [k - 1 if k > 0 else before + k if k < 0 else -1 for k in written]
+            if len(places) < 2 or not all(0 <= k < len(rows) and self._finite[k] for k in places):
+                bad.append(line)
+                continue
+            lines += [line] * (len(places) - 1)
+            found += itertools.pairwise(places)
+        if bad:
+            first = self._text.number_of(bad[0])
+            self._notes.slip(f"{len(bad)} lines cannot be read and are left out, the first in line {first}")
+        return np.array(lines, dtype=np.int64), np.array(found, dtype=np.int64).reshape(-1, 2)
+
+    def _line_nodes(self, lines: Integers, segments: Integers) -> Iterator[Node]:
+        """One node for the lines of each object in each material."""
+        objects = self._events.objects
+        slot = np.searchsorted(objects.lines, lines, side="right")
+        material = np.searchsorted(self._events.material_lines, lines, side="right") - 1
+        for of, with_material in np.unique(np.stack([slot, material], axis=1), axis=0).tolist():
+            positions, ends, kept = _used_rows(self._positions, segments[(slot == of) & (material == with_material)])
+            name = (objects.names[of - 1] if of else "") or Path(self._text.path).stem
+            colors = None if self._colors is None else self._colors[kept]
+            own = len(self._slots) if with_material < 0 else self._slots[self._events.material_names[with_material]]
+            shape = Shape(LineSet(positions, ends.astype(np.int32), colors, name=name), (self._materials[own],))
+            yield Node(name=name, shapes=(shape,))
 
     def _mesh_uvs(self, part: _Triangles) -> tuple[NDArray[np.float32] | None, NDArray[np.int32] | None]:
         corners = part.corners[:, :, 1]

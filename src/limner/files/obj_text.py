@@ -250,7 +250,7 @@ class _Named(NamedTuple):
 
 
 class Events:
-    """The lines that are not numbers: names, materials, smoothing."""
+    """The lines that are not only numbers: names, materials, smoothing; and polylines, which are few."""
 
     def __init__(self, text: Text, notes: Notes) -> None:
         self.libraries: list[str] = []
@@ -260,6 +260,8 @@ class Events:
         self.material_names: list[str] = []
         self._smoothing_lines: list[int] = []
         self._smoothing: list[int] = []
+        self.polyline_lines: list[int] = []
+        self.polylines: list[list[int]] = []
         unread: dict[str, int] = {}
         for line in text.others.tolist():
             keyword, _, rest = text.line(line).replace(b"\t", b" ").partition(b" ")
@@ -270,6 +272,9 @@ class Events:
                     self.material_names.append(name)
                 case b"mtllib":
                     self.libraries.append(name)
+                case b"l":
+                    self.polyline_lines.append(line)
+                    self.polylines.append(_places(rest))
                 case b"o":
                     _put_name(self.objects, line, name)
                 case b"g":
@@ -286,6 +291,14 @@ class Events:
     def smoothing_of(self, lines: Integers) -> Integers:
         """Return the smoothing group of each line: 0 off, -1 where the file does not say."""
         return np.array([*self._smoothing, -1])[np.searchsorted(self._smoothing_lines, lines, side="right") - 1]
+
+
+def _places(words: bytes) -> list[int]:
+    """The positions that a polyline names, as written; 0, which is none, where one cannot be read."""
+    try:
+        return [_corner(word)[0] for word in words.split()]
+    except ValueError:
+        return [0, 0]
 
 
 def _put_name(named: _Named, line: int, name: str) -> None:

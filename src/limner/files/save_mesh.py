@@ -82,7 +82,7 @@ def save_model(thing: Any, path: str | os.PathLike[str]) -> tuple[str, ...]:
 
         save_scene(scene, target)
         return ()
-    parts = world_parts(scene)
+    parts = world_parts(scene, lines=kind == ".obj")
     try:
         if kind == ".obj":
             _save_obj(parts, target)

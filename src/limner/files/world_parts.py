@@ -19,6 +19,7 @@ from ..errors import LimnerWarning, SceneError
 from ..linear.transform import normal_matrix, transform_points
 from ..mesh.mesh import Mesh
 from ..scene.framing import extent_points, framing_camera
+from ..scene.line_set import LineSet
 from ..scene.material import BlinnPhong, Dielectric, Lambert, Material, MetallicRoughness
 from ..scene.node import Placed
 from ..scene.points import PointCloud
@@ -32,15 +33,18 @@ _ROWS = 1024
 
 
 class Part(NamedTuple):
-    """A shape in the world: the path of its node, its triangles or points, and its materials."""
+    """A shape in the world: the path of its node, its triangles, points or lines, and its materials."""
 
     name: str
-    geometry: Mesh | PointCloud
+    geometry: Mesh | PointCloud | LineSet
     materials: tuple[Material, ...]
 
 
-def world_parts(scene: Scene) -> list[Part]:
-    """Find what is visible, in the order of the graph, as meshes and clouds in the world; SceneError where that is nothing."""
+def world_parts(scene: Scene, *, lines: bool = False) -> list[Part]:
+    """Find what is visible, in the order of the graph, as meshes and clouds in the world; SceneError where that is nothing.
+
+    Lines stay lines where `lines` says so, and are cut into tubes for files that have none.
+    """
     cutter = _Cutter(scene)
     parts = []
     for placed, shape in posed(scene).shapes():
@@ -48,7 +52,8 @@ def world_parts(scene: Scene) -> list[Part]:
         if isinstance(geometry, Plane):
             warn(f"{placed.path} is an infinite plane and is left out", LimnerWarning, stacklevel=4)
             continue
-        if not isinstance(geometry, (Mesh, PointCloud)) or shape.displacement is not None:
+        kept = (Mesh, PointCloud, LineSet) if lines else (Mesh, PointCloud)
+        if not isinstance(geometry, kept) or shape.displacement is not None:
             geometry = cutter.mesh(shape, placed)
         if len(geometry.positions):
             parts.append(Part(placed.path, _placed(geometry, matrix), shape.materials))
@@ -81,7 +86,9 @@ class _Cutter:
         return mesh
 
 
-def _placed(geometry: Mesh | PointCloud, matrix: NDArray[np.float64]) -> Mesh | PointCloud:
+def _placed(geometry: Mesh | PointCloud | LineSet, matrix: NDArray[np.float64]) -> Mesh | PointCloud | LineSet:
+    if isinstance(geometry, LineSet):
+        return dataclasses.replace(geometry, positions=transform_points(matrix, geometry.positions.astype(np.float64)).astype(np.float32))
     if isinstance(geometry, PointCloud) and not geometry.shown.all():
         geometry = _finite(geometry)
     if np.array_equal(matrix, np.eye(4)):

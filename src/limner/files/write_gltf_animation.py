@@ -27,6 +27,7 @@ from ..scene.motion import KeyedMotion, Motion
 from ..scene.scene import Scene
 from ..scene.texture import Texture
 from ..scene.track import Track
+from .gltf_material_parts import DISPERSION, IOR, NORMAL_SCALE, PARTS, Part
 from .notes import Notes
 from .write_gltf_buffers import Buffers, Json
 from .write_gltf_camera import Cameras, Lights
@@ -225,6 +226,12 @@ class Animations:
         for field, pointer in plain.items():
             if field in tracks and there.get(field, True) is not None:
                 yield _Pointed(root + pointer, tracks[field], {field})
+        for field, pointer in (("ior", f"{IOR}/ior"), ("dispersion", f"{DISPERSION}/dispersion")):
+            if field in tracks:
+                yield _Pointed(f"{root}extensions/{pointer}", tracks[field], {field})
+        for part in PARTS:
+            if getattr(made, part.field) is not None:
+                yield from _of_part(f"{root}extensions/{part.extension}/", part, getattr(made, part.field), tracks)
 
 
 class _Pointed(NamedTuple):
@@ -314,6 +321,22 @@ def _times(tracks: list[Track]) -> Floats:
     if all(track.interpolation == "linear" or track.is_constant for track in tracks) or len(times) < 2:
         return times
     return np.unique(np.concatenate([np.linspace(a, b, _DENSE + 1) for a, b in pairwise(times)]))
+
+
+def _of_part(root: str, part: Part, value: Any, tracks: dict[str, Track]) -> Iterator[_Pointed]:
+    """What moves of an extension, and of its textures."""
+    for key, (ours, _) in (*part.numbers.items(), *part.colors.items()):
+        field = f"{part.field}.{ours}"
+        if field in tracks:
+            yield _Pointed(root + key, tracks[field], {field})
+    for key, (ours, _) in part.textures.items():
+        texture = picture_of(getattr(value, ours))
+        if texture is None:
+            continue
+        yield from _of_texture(f"{root}{key}/extensions/KHR_texture_transform/", f"{part.field}.{ours}", texture, tracks)
+        scale = f"{part.field}.{NORMAL_SCALE}"
+        if ours == "normal_texture" and scale in tracks:
+            yield _Pointed(f"{root}{key}/scale", tracks[scale], {scale})
 
 
 def _of_texture(root: str, field: str, texture: Texture, tracks: dict[str, Track]) -> Iterator[_Pointed]:

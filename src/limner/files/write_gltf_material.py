@@ -244,26 +244,27 @@ class Materials:
             made["doubleSided"] = True
         if material.unlit:
             self._extend(made, "KHR_materials_unlit", {})
-        self._write_parts(made, material)
+        self._write_parts(made, material, moving)
         return made
 
-    def _write_parts(self, made: Json, material: MetallicRoughness) -> None:
+    def _write_parts(self, made: Json, material: MetallicRoughness, moving: Mapping[str, float]) -> None:
         for extension, key, value, usual in ((IOR, "ior", material.ior, 1.5), (DISPERSION, "dispersion", material.dispersion, 0.0)):
-            if value != usual:
+            if value != usual or key in moving:
                 self._extend(made, extension, {key: value})
         for part in PARTS:
             value = getattr(material, part.field)
             if value is not None:
-                self._extend(made, part.extension, self._part(value, part, material.name))
+                self._extend(made, part.extension, self._part(value, part, material.name, moving))
 
-    def _part(self, value: Any, part: Part, name: str) -> Json:
+    def _part(self, value: Any, part: Part, name: str, moving: Mapping[str, float]) -> Json:
         made: Json = {}
         for key, (field, usual) in (*part.numbers.items(), *part.colors.items()):
             held = getattr(value, field)
-            if held != usual:
+            if held != usual or (held is not None and f"{part.field}.{field}" in moving):
                 made[key] = list(held) if isinstance(held, tuple) else held
         for key, (field, srgb) in part.textures.items():
-            information = self._texture_information(getattr(value, field), colored=srgb, name=name)
+            is_animated = any(moved.startswith(f"{part.field}.{field}.") for moved in moving)
+            information = self._texture_information(getattr(value, field), colored=srgb, name=name, is_animated=is_animated)
             if information is not None:
                 scale = getattr(value, NORMAL_SCALE) if field == "normal_texture" else 1.0
                 made[key] = information | ({"scale": scale} if scale != 1.0 else {})

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import UnsupportedError
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
 from ..scene.rig import Binding, Morph
 from .gltf_mesh import UNIT_TOLERANCE
@@ -33,7 +34,7 @@ __all__ = ["Drawn", "Meshes", "Vertices", "vertices_of"]
 Floats = NDArray[np.float32]
 Rows = NDArray[np.int64] | slice
 
-_POINTS = 0
+_POINTS, _LINES = 0, 1
 _ALL = slice(None)
 _IN_A_SET = 4  # joints
 _GREATEST_JOINT = 65535
@@ -115,6 +116,8 @@ class Meshes:
         geometry, materials = drawn.shown
         if isinstance(geometry, PointCloud):
             return [self._with_material({"attributes": self._of_points(geometry, path), "mode": _POINTS}, materials[0])]
+        if isinstance(geometry, LineSet):
+            return [self._with_material(self._of_lines(geometry, path) | {"mode": _LINES}, materials[0])]
         vertices = self._vertices_of(geometry)
         shared: Json = {"attributes": self._of_mesh(geometry, vertices, path) | self._of_binding(geometry, vertices, drawn.binding)}
         if drawn.morphs:
@@ -183,6 +186,18 @@ class Meshes:
             self._attributes[(id(cloud),)] = made | self._colors_and_scalars(cloud, kept, path)
         return self._attributes[(id(cloud),)]
 
+    def _of_lines(self, lines: LineSet, path: str) -> Json:
+        if (id(lines),) not in self._attributes:
+            self._held.append(lines)
+            # Where all is finite the positions stay as they are: what no segment uses is written too, and comes back.
+            is_whole = finite_rows(lines.positions).all()
+            kept, segments = (_ALL, lines.ends) if is_whole else np.unique(lines.ends[lines.shown].astype(np.int64), return_inverse=True)
+            positions = lines.positions[kept]
+            made: Json = {"POSITION": self._buffers.accessor(positions, "vertices", bounds=True, own=True)}
+            made |= self._colors_and_scalars(lines, kept, path)
+            self._attributes[(id(lines),)] = {"attributes": made, "indices": self._buffers.indices(segments, len(positions))}
+        return self._attributes[(id(lines),)]
+
     def _vertices_accessor(self, values: Floats) -> int:
         return self._buffers.accessor(values, "vertices")
 
@@ -214,7 +229,7 @@ class Meshes:
         self._notes.add(f"{what} that are not finite are written as 0", path)
         return np.where(np.isfinite(values), values, np.float32(0.0))
 
-    def _colors_and_scalars(self, geometry: Mesh | PointCloud, rows: Rows, path: str) -> Json:
+    def _colors_and_scalars(self, geometry: Mesh | PointCloud | LineSet, rows: Rows, path: str) -> Json:
         made: Json = {}
         if geometry.colors is not None:
             colors = self._finite(geometry.colors[rows], "colours", path)

@@ -1,4 +1,4 @@
-"""What a node shows as glTF can hold it: triangles or points.
+"""What a node shows as glTF can hold it: triangles, lines or points.
 
 Exact shapes, and what displacement moves, become the triangles that a picture of 1024 rows would be drawn with, each geometry once however
 often it is shown. A plane without end becomes a square around what else there is.
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..linear.transform import transform_points
 from ..mesh.mesh import Mesh
 from ..scene.framing import extent_points, framing_camera
+from ..scene.line_set import LINE_WIDTH, LineSet
 from ..scene.material import Material, ShadowCatcher
 from ..scene.points import PointCloud
 from ..scene.scene import Scene
@@ -29,9 +30,9 @@ _EXTENTS = 10.0  # from the middle of a plane that has an end to its sides
 
 
 class Shown(NamedTuple):
-    """Triangles or points with the materials that `triangle_materials` counts."""
+    """Triangles, lines or points with the materials that `triangle_materials` counts."""
 
-    geometry: Mesh | PointCloud
+    geometry: Mesh | PointCloud | LineSet
     materials: tuple[Material, ...]
 
 
@@ -53,12 +54,12 @@ class Shapes:
         self._sight: Any = None
 
     def of(self, shape: Shape, world_from_object: NDArray[np.float64], path: str) -> Shown | None:
-        """Triangles or points for a shape; None, with a note, where there is nothing that could be written."""
+        """Triangles, lines or points for a shape; None, with a note, where there is nothing that could be written."""
         geometry, displacement = shape.geometry, shape.displacement
         if displacement is not None and (shape.morphs or shape.binding is not None):
             self._notes.add("displacement of a mesh that bends is left out", path)
             displacement = None
-        if displacement is None and isinstance(geometry, (Mesh, PointCloud)):
+        if displacement is None and isinstance(geometry, (Mesh, PointCloud, LineSet)):
             return self._plain(geometry, shape, path)
         # Leaves of a combination have materials of their own; of all else, what is cut does not depend on materials.
         is_mixed = isinstance(geometry, Combination)
@@ -68,11 +69,15 @@ class Shapes:
         made = self._made[key][1]
         return made if made is None or is_mixed else Shown(made.geometry, shape.materials)
 
-    def _plain(self, geometry: Mesh | PointCloud, shape: Shape, path: str) -> Shown | None:
+    def _plain(self, geometry: Mesh | PointCloud | LineSet, shape: Shape, path: str) -> Shown | None:
         if isinstance(geometry, Mesh):
             if not len(geometry.triangles):
                 self._notes.add("a mesh without triangles is left out", path)
                 return None
+            return Shown(geometry, shape.materials)
+        if isinstance(geometry, LineSet):
+            if geometry.radii is not None or geometry.width_pixels != LINE_WIDTH:
+                self._notes.add("lines are written without their width", path)
             return Shown(geometry, shape.materials)
         if geometry.radii is not None or geometry.shown_as != ("spheres" if geometry.normals is None else "discs"):
             self._notes.add("points are written without their size", path)

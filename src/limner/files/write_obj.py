@@ -26,6 +26,7 @@ from ..color.transfer import bytes_from_linear, bytes_from_unit, srgb_from_linea
 from ..errors import LimnerWarning
 from ..image.png import png_bytes
 from ..mesh.mesh import Mesh
+from ..scene.line_set import LineSet
 from ..scene.material import BlinnPhong, Material, MetallicRoughness
 from ..scene.points import PointCloud
 from ..scene.texture import Texels, Texture
@@ -129,6 +130,9 @@ def write_obj(parts: list[Part], library: Library, library_name: str, stream: IO
         stream.write(f"o {re.sub(r'[^!-~]', '_', part.name)}\n".encode())
         if isinstance(part.geometry, PointCloud):
             first = _write_cloud(part.geometry, first, stream)
+        elif isinstance(part.geometry, LineSet):
+            stream.write(f"usemtl {library.name(part.materials[0])}\n".encode())
+            first = _write_lines(part.geometry, first, stream)
         else:
             first = _write_mesh(part, first, library, stream)
 
@@ -170,6 +174,16 @@ def _write_cloud(cloud: PointCloud, first: tuple[int, int, int], stream: IO[byte
         numbers = range(first[0] + begin, first[0] + min(count, begin + _AT_ONCE))
         stream.write((("p %d\n" * len(numbers)) % tuple(numbers)).encode())
     return first[0] + count, first[1], first[2]
+
+
+def _write_lines(lines: LineSet, first: tuple[int, int, int], stream: IO[bytes]) -> tuple[int, int, int]:
+    """Write segments, each chain of them as one line."""
+    _write_positions(lines.positions, lines.colors, stream)
+    segments = lines.ends[lines.shown] + first[0]
+    starts = np.flatnonzero(np.concatenate([[True], segments[1:, 0] != segments[:-1, 1]])).tolist()
+    for start, end in zip(starts, [*starts[1:], len(segments)], strict=True):
+        stream.write(f"l {' '.join(map(str, [segments[start, 0], *segments[start:end, 1]]))}\n".encode())
+    return first[0] + len(lines.positions), first[1], first[2]
 
 
 def _write_positions(positions: NDArray[np.float32], colors: NDArray[np.float32] | None, stream: IO[bytes]) -> None:

@@ -65,9 +65,9 @@ def _columns(part: Part) -> dict[str, NDArray[Any]]:
     """What is known of each position, by the names of PLY."""
     geometry = part.geometry
     found: dict[str, NDArray[Any]] = dict(zip("xyz", geometry.positions.T, strict=True))
-    if isinstance(geometry, PointCloud):
-        normals, uvs = geometry.normals, None
-    else:
+    normals = geometry.normals if isinstance(geometry, PointCloud) else None
+    uvs = None
+    if isinstance(geometry, Mesh):
         normals = per_vertex(geometry.normals, geometry.normal_triangles, geometry)
         uvs = per_vertex(geometry.uvs, geometry.uv_triangles, geometry)
     if normals is not None:
@@ -104,7 +104,7 @@ def _colors(part: Part) -> NDArray[np.float32]:
     geometry = part.geometry
     own = np.ones((len(geometry.positions), 3), dtype=np.float32) if geometry.colors is None else geometry.colors.copy()
     slots = geometry.triangle_materials if isinstance(geometry, Mesh) else None
-    if slots is None or isinstance(geometry, PointCloud):
+    if slots is None or not isinstance(geometry, Mesh):
         own[:, :3] *= np.array(base_color(part.materials[0]), dtype=np.float32)
         return own
     factor = np.ones((len(own), 3), dtype=np.float32)

@@ -18,6 +18,7 @@ from ..errors import SceneError
 from ..mesh.mesh import Mesh
 from ..scene._values import positive
 from ..scene.color_by import color_by, named_numbers
+from ..scene.line_set import LineSet
 from ..scene.material import Lambert
 from ..scene.node import Node
 from ..scene.points import PointCloud
@@ -30,7 +31,7 @@ _WHITE = Lambert((1.0, 1.0, 1.0))
 
 
 def scalar_names(scene: Scene) -> tuple[str, ...]:
-    """The names of the numbers that visible meshes and clouds have, sorted."""
+    """The names of the numbers that visible meshes, clouds and lines have, sorted."""
     return tuple(sorted({name for geometry in _holders(scene) for name in named_numbers(geometry)}))
 
 
@@ -64,11 +65,13 @@ def colored(
 
     def change(shape: Shape) -> Shape:
         geometry = shape.geometry
-        if not isinstance(geometry, (Mesh, PointCloud)) or name not in named_numbers(geometry):
+        if not isinstance(geometry, (Mesh, PointCloud, LineSet)) or name not in named_numbers(geometry):
             return shape
-        made: Mesh | PointCloud
+        made: Mesh | PointCloud | LineSet
         if isinstance(geometry, Mesh):
             made = dataclasses.replace(color_by(geometry, name, color_map, ends), triangle_materials=None)
+        elif isinstance(geometry, PointCloud):
+            made = color_by(geometry, name, color_map, ends)
         else:
             made = color_by(geometry, name, color_map, ends)
         return dataclasses.replace(shape, geometry=made, materials=(_WHITE,))
@@ -88,9 +91,9 @@ def with_point_size(scene: Scene, radius: float) -> Scene:
     return _changed(scene, change)
 
 
-def _holders(scene: Scene) -> list[Mesh | PointCloud]:
+def _holders(scene: Scene) -> list[Mesh | PointCloud | LineSet]:
     found = {id(shape.geometry): shape.geometry for _, shape in scene.shapes()}
-    return [geometry for geometry in found.values() if isinstance(geometry, (Mesh, PointCloud))]
+    return [geometry for geometry in found.values() if isinstance(geometry, (Mesh, PointCloud, LineSet))]
 
 
 def _changed(scene: Scene, change: Callable[[Shape], Shape]) -> Scene:

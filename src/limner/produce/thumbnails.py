@@ -119,6 +119,7 @@ def thumbnails(
     background: Any = None,
     view: str = "standard",
     exposure: float = 0.0,
+    up: str = "y",
     on_progress: OnProgress | None = None,
     cancel: threading.Event | None = None,
     **options: Any,
@@ -141,6 +142,8 @@ def thumbnails(
         In place of that of scenes that have none; None: transparent.
     view, exposure
         As for `limner.Image.save`.
+    up : "y" | "z"
+        Which axis of the files points up, as for `limner.load`.
     on_progress : callable, optional
     cancel : threading.Event, optional
         Set it to stop; so does a KeyboardInterrupt.
@@ -169,7 +172,7 @@ def thumbnails(
     # What is wrong with the options is wrong for all: say it once, before anything is read.
     Renderer(_nothing(), width=size, height=size, renderer=renderer, **options).close()
     saving = {"view": checked_view(view), "exposure": checked_exposure(exposure)}
-    work = _Work(Path(folder), Path(output), int(size), update, background, {"renderer": renderer, **options}, saving)
+    work = _Work(Path(folder), Path(output), int(size), update, background, {"renderer": renderer, **options}, saving, up)
     meter, items = Meter(on_progress, "thumbnails"), []
     finished = True
     try:
@@ -203,6 +206,7 @@ class _Work:
     background: Any
     options: dict[str, Any]
     saving: dict[str, Any]
+    up: str
 
     def one(self, source: Path, cancel: threading.Event | None) -> Thumbnail | None:
         """Make the picture of one model; None: it was stopped."""
@@ -231,7 +235,7 @@ class _Work:
         from ..render import Renderer
         from ..scene.framing import extent_points, framing_camera
 
-        scene = load(source)
+        scene = load(source, up=self.up)
         if scene.background is None and self.background is not None:
             scene = scene.replace(background=self.background)
         # Its own camera may show whatever its maker liked; a thumbnail shows what it is.

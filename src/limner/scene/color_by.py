@@ -16,11 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..color.maps import DEFAULT_MAP, NAN_COLOR, mapped
 from ..errors import SceneError
 from ..mesh.mesh import Mesh
+from .line_set import LineSet
 from .points import PointCloud
 
 __all__ = ["color_by", "named_numbers", "scalars_of"]
 
-Colored = TypeVar("Colored", Mesh, PointCloud)
+Colored = TypeVar("Colored", Mesh, PointCloud, LineSet)
 
 
 def color_by(
@@ -30,11 +31,11 @@ def color_by(
     range: tuple[float, float] | None = None,
     nan_color: tuple[float, float, float] = NAN_COLOR,
 ) -> Colored:
-    """Colour a mesh or a point cloud by numbers.
+    """Colour a mesh, a point cloud or lines by numbers.
 
     Parameters
     ----------
-    geometry : Mesh or PointCloud
+    geometry : Mesh, PointCloud or LineSet
     values : (n,) float, or str
         One for each position; or the name of those that the geometry has itself (`scalars`, and `vertex_attributes` of one number each).
     color_map : str or (n, 3) float
@@ -46,27 +47,27 @@ def color_by(
 
     Returns
     -------
-    Mesh or PointCloud
+    Mesh, PointCloud or LineSet
         The same with these `colors`. A material multiplies them: ``Lambert((1, 1, 1))`` shows them as they are.
 
     >>> mesh = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> color_by(mesh, [0, 1, 2], "grey").colors[:, 0].round(2)
     array([0.  , 0.21, 1.  ], dtype=float32)
     """
-    if not isinstance(geometry, (Mesh, PointCloud)):
-        raise SceneError(f"color_by needs a Mesh or a PointCloud, got {type(geometry).__name__}")
+    if not isinstance(geometry, (Mesh, PointCloud, LineSet)):
+        raise SceneError(f"color_by needs a Mesh, a PointCloud or a LineSet, got {type(geometry).__name__}")
     numbers = scalars_of(geometry, values)
     return dataclasses.replace(geometry, colors=mapped(numbers, color_map, range, nan_color))
 
 
-def named_numbers(geometry: Mesh | PointCloud) -> dict[str, NDArray[Any]]:
+def named_numbers(geometry: Mesh | PointCloud | LineSet) -> dict[str, NDArray[Any]]:
     """What is known at each position as one real number, (n,), by name: `scalars`, and `vertex_attributes` that are so."""
     attributes = (geometry.vertex_attributes or {}) if isinstance(geometry, Mesh) else {}
     single = {name: values for name, values in attributes.items() if values.ndim == 1 and values.dtype.kind in "biuf"}
     return {**single, **(geometry.scalars or {})}
 
 
-def scalars_of(geometry: Mesh | PointCloud, values: str | ArrayLike) -> NDArray[np.float64]:
+def scalars_of(geometry: Mesh | PointCloud | LineSet, values: str | ArrayLike) -> NDArray[np.float64]:
     """(n,) float64: numbers at each position, given as they are or by name; SceneError, with the known names, where there are none."""
     n_positions = len(geometry.positions)
     if isinstance(values, str):

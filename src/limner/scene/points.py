@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import LimnerWarning, SceneError
 from ..mesh.mesh import named_scalars, read_only
 
-__all__ = ["SHOWN_AS", "PointCloud", "spacing"]
+__all__ = ["SHOWN_AS", "PointCloud", "checked_radii", "spacing"]
 
 Floats = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ class PointCloud:
             put("normals", _unit(read_only(self.normals, np.float32, (3,), "point_cloud.normals")))
             self._check_rows("normals", len(self.normals))
         if self.radii is not None:
-            put("radii", _checked_radii(self.radii, n_points))
+            put("radii", checked_radii(self.radii, n_points, "point_cloud.radii"))
         if self.shown_as is None:
             put("shown_as", "spheres" if self.normals is None else "discs")
         elif self.shown_as not in SHOWN_AS:
@@ -205,17 +205,18 @@ def _n_cells(places: NDArray[np.int64]) -> int:
     return len(np.unique(keys))
 
 
-def _checked_radii(given: Any, count: int) -> float | NDArray[np.float32]:
+def checked_radii(given: Any, count: int, field: str) -> float | NDArray[np.float32]:
+    """One radius, or one per point, read-only; SceneError, naming the field, where they are neither or not positive."""
     try:
         radii = np.array(given, dtype=np.float32)
     except (TypeError, ValueError):
-        raise SceneError(f"point_cloud.radii must be a number, or one per point, got {given!r}") from None
+        raise SceneError(f"{field} must be a number, or one per point, got {given!r}") from None
     if radii.ndim and radii.shape != (count,):
-        raise SceneError(f"point_cloud.radii must be a number, or one per point ({count}), got shape {radii.shape}")
+        raise SceneError(f"{field} must be a number, or one per point ({count}), got shape {radii.shape}")
     bad = np.flatnonzero(~(np.isfinite(radii) & (radii > 0.0)).reshape(-1))
     if len(bad):
         where = f" at point {bad[0]}" if radii.ndim else ""
-        raise SceneError(f"point_cloud.radii must be positive, got {radii.reshape(-1)[bad[0]]}{where}")
+        raise SceneError(f"{field} must be positive, got {radii.reshape(-1)[bad[0]]}{where}")
     if not radii.ndim:
         return float(radii)
     radii.flags.writeable = False

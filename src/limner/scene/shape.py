@@ -9,6 +9,7 @@ from ..errors import SceneError
 from ..mesh.mesh import Mesh
 from .displacement import Displacement
 from .distance_field import DistanceField
+from .line_set import LineSet
 from .material import Lambert, Material
 from .points import PointCloud
 from .primitive import BilinearPatch, Box, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Sphere, Torus
@@ -17,10 +18,10 @@ from .solid import Combination, Complement, Difference, Intersection, Solid, Uni
 
 __all__ = [
     "BilinearPatch", "Box", "Combination", "Complement", "Cone", "Cylinder", "Difference", "Disk", "DistanceField", "Geometry",
-    "Intersection", "Plane", "PointCloud", "Primitive", "Quadric", "Shape", "Solid", "Sphere", "Torus", "Union",
+    "Intersection", "LineSet", "Plane", "PointCloud", "Primitive", "Quadric", "Shape", "Solid", "Sphere", "Torus", "Union",
 ]  # fmt: skip
 
-Geometry: TypeAlias = Mesh | PointCloud | Primitive | Combination | DistanceField
+Geometry: TypeAlias = Mesh | PointCloud | LineSet | Primitive | Combination | DistanceField
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class Shape:
 
     Parameters
     ----------
-    geometry : Mesh, PointCloud, primitive, combination or DistanceField
+    geometry : Mesh, PointCloud, LineSet, primitive, combination or DistanceField
         Sphere, Plane, Box, Disk, Cylinder, Cone, Torus, Quadric, BilinearPatch; Union, Intersection, Difference, Complement.
     materials : tuple of materials, or one material
         A mesh's `triangle_materials` index into it; all else takes the first, but for parts of combinations that have their own.
@@ -50,7 +51,7 @@ class Shape:
 
     def __post_init__(self) -> None:
         if not isinstance(self.geometry, Geometry):
-            expected = "a Mesh, a PointCloud, a Sphere, Box or another primitive, a DistanceField or a combination of solids"
+            expected = "a Mesh, a PointCloud, a LineSet, a Sphere, Box or another primitive, a DistanceField or a combination of solids"
             raise SceneError(f"shape.geometry must be {expected}, got {type(self.geometry).__name__}")
         given = self.materials
         materials = tuple(given) if isinstance(given, (tuple, list)) else (given,)
@@ -83,6 +84,7 @@ class Shape:
     def _check_displacement(self) -> None:
         if not isinstance(self.displacement, Displacement):
             raise SceneError(f"shape.displacement must be a Displacement, got {type(self.displacement).__name__}")
-        if isinstance(self.geometry, (Plane, PointCloud)):
-            what = "a plane without end" if isinstance(self.geometry, Plane) else "a point cloud"
+        without = {Plane: "a plane without end", PointCloud: "a point cloud", LineSet: "lines"}
+        if type(self.geometry) in without:
+            what = without[type(self.geometry)]
             raise SceneError(f"shape.displacement moves bounded surfaces, not {what}: use a mesh")

@@ -24,7 +24,7 @@ from ..scene.points import PointCloud
 if TYPE_CHECKING:
     from .stand_ins import Sight, StandIns
 
-__all__ = ["MOST_TRIANGLES", "cloud_mesh"]
+__all__ = ["MOST_TRIANGLES", "cloud_mesh", "fineness", "round_solids", "solid_errors", "tangents"]
 
 Floats = NDArray[np.float64]
 Levels = NDArray[np.int8]
@@ -50,9 +50,9 @@ def cloud_mesh(cloud: PointCloud, matrix: Floats, sight: Sight, stand_ins: Stand
     n_shown = int(np.count_nonzero(cloud.shown))
     # Four triangles are the least that a solid has.
     as_discs = cloud.shown_as == "discs" or 4 * n_shown > MOST_TRIANGLES
-    errors = _polygon_errors() if as_discs else _solid_errors()
-    counts = [n - 2 for n in _CORNERS] if as_discs else [len(solid.triangles) for solid in _solids()]
-    levels = _levels(_pixel_radii(cloud, matrix, sight), np.array(errors), np.array(counts))
+    errors = _polygon_errors() if as_discs else solid_errors()
+    counts = [n - 2 for n in _CORNERS] if as_discs else [len(solid.triangles) for solid in round_solids()]
+    levels = fineness(_pixel_radii(cloud, matrix, sight), np.array(errors), np.array(counts))
     facing = as_discs and (cloud.normals is None or cloud.shown_as == "spheres" or not cloud.normals.any(axis=1).all())
     seen = tuple(sight.eye) + tuple(sight.towards) if facing else ()
     name = f"cloud {_content(cloud)} {hashlib.blake2b(levels.tobytes(), digest_size=12).hexdigest()} {as_discs} {seen}"
@@ -76,7 +76,7 @@ def _pixel_radii(cloud: PointCloud, matrix: Floats, sight: Sight) -> NDArray[np.
     return sight.pixels(points, scale * cloud.point_radii[cloud.shown].astype(np.float64)).astype(np.float32)
 
 
-def _levels(pixels: NDArray[np.float32], errors: Floats, counts: NDArray[np.int_]) -> Levels:
+def fineness(pixels: NDArray[np.float32], errors: Floats, counts: NDArray[np.int_]) -> Levels:
     """How fine each point is: as its size asks, coarser all alike while together they are too many.
 
     Points that are seen about equally large are as fine as the largest, to a power of two: a camera that moves a little then finds the
@@ -127,7 +127,7 @@ def _disc_normals(cloud: PointCloud, matrix: Floats, sight: Sight) -> NDArray[np
 
 def _discs(cloud: PointCloud, levels: Levels, normals: NDArray[np.float32]) -> Mesh:
     points, radii = cloud.positions[cloud.shown], cloud.point_radii[cloud.shown]
-    along, across = _tangents(normals)
+    along, across = tangents(normals)
     parts = []
     for level, n in enumerate(_CORNERS):
         here = np.flatnonzero(levels == level).astype(np.int32)
@@ -140,7 +140,7 @@ def _discs(cloud: PointCloud, levels: Levels, normals: NDArray[np.float32]) -> M
     return _joined(cloud, parts, normals)
 
 
-def _tangents(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def tangents(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Two unit vectors across each normal, which turn counter-clockwise seen from where it points to.
 
     **Source**: Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6(1), 2017, listing 3.
@@ -157,7 +157,7 @@ def _tangents(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArra
 
 
 @cache
-def _solids() -> tuple[_Solid, ...]:
+def round_solids() -> tuple[_Solid, ...]:
     """Tetrahedron, octahedron, icosahedron and what it is divided into, coarse to fine."""
     golden = (1.0 + math.sqrt(5.0)) / 2.0
     corners = np.array([(-1, golden, 0), (1, golden, 0), (-1, -golden, 0), (1, -golden, 0)])
@@ -201,10 +201,10 @@ def _sized(solid: _Solid) -> _Solid:
     return _Solid(solid.corners * math.sqrt(4.0 * math.pi / surface), solid.triangles)
 
 
-def _solid_errors() -> list[float]:
+def solid_errors() -> list[float]:
     """How far each solid's surface is from the unit sphere."""
     errors = []
-    for corners, triangles in _solids():
+    for corners, triangles in round_solids():
         middles = corners[triangles].mean(axis=1)
         errors.append(max(float(np.linalg.norm(corners[0])) - 1.0, 1.0 - float(np.linalg.norm(middles, axis=1).min())))
     return errors
@@ -213,7 +213,7 @@ def _solid_errors() -> list[float]:
 def _spheres(cloud: PointCloud, levels: Levels) -> Mesh:
     points, radii = cloud.positions[cloud.shown], cloud.point_radii[cloud.shown]
     parts, directions, first = [], [], 0
-    for level, solid in enumerate(_solids()):
+    for level, solid in enumerate(round_solids()):
         here = np.flatnonzero(levels == level).astype(np.int32)
         corners = radii[here, None, None] * solid.corners.astype(np.float32)
         corners += points[here, None]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..mesh.mesh import Mesh
 from ..scene.distance_field import DistanceField
+from ..scene.line_set import LineSet
 from ..scene.material import Material
 from ..scene.points import PointCloud
 from ..scene.primitive import BilinearPatch, Box, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Sphere, Torus
@@ -66,7 +67,7 @@ class Numbers:
 def fill_shape(row: np.void, geometry: Geometry, numbers: Numbers) -> None:
     """Fill kind, size, capped and place of an instance that is no combination; of a mesh only the kind."""
     row["kind"], row["place"] = layouts.MESH, -1
-    if isinstance(geometry, (Mesh, PointCloud)):
+    if isinstance(geometry, (Mesh, PointCloud, LineSet)):
         return
     row["capped"] = getattr(geometry, "capped", True)
     if isinstance(geometry, Sphere):

@@ -23,6 +23,7 @@ from ..mesh.mesh import Mesh
 from ..mesh.trim import Surface, joined, refined, surface_of, trimmed
 from ..scene.camera import Camera, PerspectiveCamera
 from ..scene.distance_field import DistanceField
+from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
 from ..scene.shape import BilinearPatch, Box, Combination, Cone, Cylinder, Disk, Plane, Primitive, Quadric, Shape, Sphere, Torus
 from .boundary import boundary_of_leaf, quadric_values
@@ -30,6 +31,7 @@ from .clouds import cloud_mesh
 from .distance import numbers_of
 from .distance_mesh import distance_mesh
 from .exact import Leaf, leaves_and_program, materials_of
+from .lines import line_mesh
 
 __all__ = ["Sight", "StandIns", "flattens", "inverse", "tessellation"]
 
@@ -108,6 +110,8 @@ def tessellation(shape: Shape, matrix: NDArray[np.float64], sight: Sight, stand_
         return geometry
     if isinstance(geometry, PointCloud):
         return cloud_mesh(geometry, matrix, sight, stand_ins)
+    if isinstance(geometry, LineSet):
+        return line_mesh(geometry, matrix, sight, stand_ins)
     if isinstance(geometry, Box):
         return stand_ins.get(primitives.box, geometry.size)
     if isinstance(geometry, Plane):

@@ -11,11 +11,13 @@ import pytest
 
 from limner.errors import LimnerWarning
 from limner.files.load import load
+from limner.files.save_mesh import save_model
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
 from limner.scene.light import SpotLight
 from limner.scene.material import MetallicRoughness
 from limner.scene.scene import Scene
+from limner.scene.texture import Texture
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 KHRONOS = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "khronos"
@@ -170,6 +172,43 @@ def test_pointers(writer: Any, tmp_path: Path) -> None:
     assert lights[0].outer_degrees == pytest.approx(math.degrees(0.6))
     assert place(moment, "world/n")[1, 3] == 3.0
     assert at_rest.shapes()[0][1].materials[0].alpha == 0.0
+
+
+def test_pointers_into_extensions(writer: Any, tmp_path: Path) -> None:
+    """Coats, colours of parts, indices, and the places of their pictures move; so do the morphs of a mesh, wherever it is shown."""
+    primitive = writer.primitive(TRIANGLE, material=0)
+    primitive["attributes"]["TEXCOORD_0"] = writer.accessor([[0, 0], [1, 0], [0, 1]])
+    primitive["targets"] = [{"POSITION": writer.accessor([[0, 0, 1]] * 3)}]
+    writer.picture([[[255, 0, 0]]])
+    writer.document["materials"] = [{"name": "m", "extensions": {
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatTexture": {"index": 0}, "clearcoatNormalTexture": {"index": 0}},
+        "KHR_materials_sheen": {}, "KHR_materials_ior": {"ior": 1.25},
+    }}]  # fmt: skip
+    writer.document["nodes"] = [{"mesh": 0, "name": "a"}, {"mesh": 0, "name": "b", "weights": [0.75]}]
+    writer.document["scenes"] = [{"nodes": [0, 1]}]
+    root = "/materials/0/extensions/"
+    coat = f"{root}KHR_materials_clearcoat/"
+    channel(writer, pointer(f"{coat}clearcoatFactor"), [0, 1], [0, 1])
+    channel(writer, pointer(f"{coat}clearcoatTexture/extensions/KHR_texture_transform/offset"), [0, 1], [[0, 0], [1, 0]])
+    channel(writer, pointer(f"{coat}clearcoatNormalTexture/scale"), [0, 1], [1, 3])
+    channel(writer, pointer(f"{root}KHR_materials_sheen/sheenColorFactor"), [0, 1], [[0, 0, 0], [1, 0.5, 0.25]])
+    channel(writer, pointer(f"{root}KHR_materials_ior/ior"), [0, 1], [1.25, 1.75])
+    channel(writer, pointer("/meshes/0/weights"), [0, 1], [0, 1])
+    scene = load(writer.save(tmp_path))
+    save_model(scene, tmp_path / "again.glb")
+    for found in (scene, load(tmp_path / "again.glb")):
+        (_, first), (_, second) = found.at(0.5).shapes()
+        look = first.materials[0]
+        assert isinstance(look, MetallicRoughness)
+        assert look.clearcoat is not None
+        assert look.sheen is not None
+        assert isinstance(look.clearcoat.factor_texture, Texture)
+        assert (look.clearcoat.factor, look.clearcoat.normal_scale, look.ior) == (0.5, 2.0, 1.5)
+        assert look.clearcoat.factor_texture.offset == (0.5, 0.0)
+        assert look.sheen.color == (0.5, 0.25, 0.125)
+        assert isinstance(first.geometry, Mesh)
+        assert isinstance(second.geometry, Mesh)
+        assert (first.geometry.positions[0, 2], second.geometry.positions[0, 2]) == (0.5, 0.75)
 
 
 @pytest.mark.parametrize(

@@ -180,8 +180,8 @@ def test_malformed_vertices_keep_their_number(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", [SQUARE, "# nothing\n", "hello", "l 1 2\n"])
 def test_files_without_faces(text: str) -> None:
-    """A file without faces is an error for people."""
-    with pytest.raises(FileFormatError, match="has no faces"):
+    """A file without faces and lines is an error for people."""
+    with pytest.raises(FileFormatError, match=r"has no faces|neither faces nor lines"):
         scene_of(text)
 
 
@@ -200,13 +200,13 @@ def test_limits() -> None:
 
 def test_unread_lines_are_named() -> None:
     """Lines of kinds that are not read are noted, each kind once."""
-    notes = scene_of(SQUARE + "l 1 2\nl 2 3\np 1\nf 1 2 3\n").notes
-    assert notes == ("line 5: 'l' lines are ignored", "line 7: 'p' lines are ignored")
+    notes = scene_of(SQUARE + "curv 1 2\ncurv 2 3\np 1\nf 1 2 3\n").notes
+    assert notes == ("line 5: 'curv' lines are ignored", "line 7: 'p' lines are ignored")
 
 
 LINES = st.one_of(
     st.sampled_from(["v 0 0 0", "v 1 0 0", "v 0 1 0 1 0 0", "vt 0 0", "vn 0 0 1", "f 1 2 3", "f -1 -2 -3", "f 1//1 2//1 3//1"]),
-    st.builds("{} {}".format, st.sampled_from(["v", "vt", "vn", "f", "o", "g", "s", "usemtl", "mtllib", "#"]),
+    st.builds("{} {}".format, st.sampled_from(["v", "vt", "vn", "f", "l", "o", "g", "s", "usemtl", "mtllib", "#"]),
               st.text(alphabet="0123456789-+./eE# \t\\naif", max_size=24)),
     st.text(max_size=12),
 )  # fmt: skip

@@ -126,6 +126,10 @@ class RayCaster:
         least volumes; or by trying all, which is slow, and the oracle. The answer is the same: where triangles are met at the very same t,
         "bvh" may find any of them, the others the first.
 
+    spatial_splits : bool
+        Of "bvh": whether large triangles stand in the tree in parts. Slower to build, and up to half as large again; faster where long
+        triangles lie across the axes, as in architecture and plans.
+
     Raises
     ------
     SceneError
@@ -141,7 +145,7 @@ class RayCaster:
     ([3.0, inf], [0, -1], [0.25, 0.0], [0.5, 0.0])
     """
 
-    def __init__(self, vertices: ArrayLike, triangles: ArrayLike, *, accelerator: Kind = "bvh") -> None:
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike, *, accelerator: Kind = "bvh", spatial_splits: bool = False) -> None:
         points = _rows_of_three(vertices, "vertices", "fiu")
         indices = _rows_of_three(triangles, "triangles", "iu")
         _check_range(indices, len(points))
@@ -150,7 +154,8 @@ class RayCaster:
         self._frame = _frame(points[used].astype(np.float64))
         self._rows = kept if len(kept) < len(indices) else None
         self._n_vertices, self._triangles = len(points), indices.astype(np.int32)
-        self._accelerator = _built(self._corners(points), kept, accelerator)
+        self._accelerator = _built(self._corners(points), kept, accelerator, spatial_splits)
+        self._in_parts = spatial_splits and accelerator == "bvh"
         self._tree: VolumeTree | Accelerator | None = None
         if isinstance(self._accelerator, (Accelerator, VolumeTree)):
             self._tree = self._accelerator
@@ -213,7 +218,13 @@ class RayCaster:
             self._tree = build_volume_tree(self._accelerator.corners)
         starts, t, row, u, v = batch_structures.every_hit(self._tree, self._frame, *rays, thread_count(threads))
         triangle = row if isinstance(self._tree, Accelerator) else self._triangles_of(row)
-        return AllHits(np.repeat(np.arange(len(starts) - 1), np.diff(starts)), t, triangle, u, v, starts)
+        ray = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+        if self._in_parts:
+            # A ray may have met several parts of a triangle, at one point.
+            once = np.sort(np.unique(ray * self.n_triangles + triangle, return_index=True)[1])
+            ray, t, triangle, u, v = ray[once], t[once], triangle[once], u[once], v[once]
+            starts = np.searchsorted(ray, np.arange(len(starts)))
+        return AllHits(ray, t, triangle, u, v, starts)
 
     def refit(self, vertices: ArrayLike) -> None:
         """Move the vertices: the same triangles in another pose, as of an animation or a simulation; several times as fast as anew.
@@ -288,14 +299,14 @@ class RayCaster:
         return f"RayCaster({self.n_triangles} triangles)"
 
 
-def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind) -> Accelerator | Structure:
+def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind, spatial_splits: bool) -> Accelerator | Structure:
     """An acceleration structure over triangles (n, 9); `kept` are their numbers."""
     if kind not in get_args(Kind):
         raise UnsupportedError(f"accelerator must be one of {', '.join(map(repr, get_args(Kind)))}, got {kind!r}")
     if kind != "bvh" and kind != "linear":
         return batch_structures.build_structure(corners, kind)
     # What is said of triangles at rest stands in the packs, once more.
-    return build_over_triangles(corners, kept, kind)._replace(primitives=np.zeros(0, dtype=PRIMITIVE))
+    return build_over_triangles(corners, kept, kind, spatial_splits=spatial_splits)._replace(primitives=np.zeros(0, dtype=PRIMITIVE))
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]

@@ -24,6 +24,7 @@ from limner.color.uniform import lab_from_xyz, luv_from_xyz, oklab_from_xyz
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     colour = pytest.importorskip("colour", reason="colour-science, the oracle, is not installed")
+    np.set_printoptions(legacy=False)  # it has numbers written as long ago, for all the process
 
 RANDOM = np.random.default_rng(11)
 XYZ = RANDOM.uniform(0.01, 1.2, (200, 3))

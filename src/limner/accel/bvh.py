@@ -20,6 +20,7 @@ from ..errors import UnsupportedError
 from ..intersect.csg_program import program_bounds
 from ..tables import layouts as tables_layouts
 from ..tables.layouts import BOX, CSG, DISK, MESH, PLANE, SPHERE, Instants, SceneTables
+from ..tiles import run_all, thread_count
 from .layouts import (
     CORNERS,
     FIRST_TREE,
@@ -33,6 +34,7 @@ from .layouts import (
     Accelerator,
 )  # fmt: skip
 from .own_space import FEW_COPIES, groups_of, swept_bounds, widen_moving
+from .presplit import split_boxes
 
 __all__ = ["Kind", "build", "build_over", "build_over_triangles"]
 
@@ -40,6 +42,7 @@ Kind = Literal["bvh", "linear"]
 
 _LEAF_SIZE = 8  # as many as are met at once
 _LINE = 64  # bytes
+_MANY, _PIECES = 1 << 15, 64  # triangles of a tree that is made in pieces; how many of them, or a few more
 _I64 = Scalar(np.int64)
 
 _GATHER = Door(
@@ -58,7 +61,7 @@ _BUILD = Door(
     "build_tree",
     (
         Array(np.float32, 1), Array(np.int32, 1), Array(NODE, 1), Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 1),
-        Array(np.int32, 1), Array(np.float32, 1), _I64, Array(np.int64, 1),
+        Array(np.int32, 1), Array(np.float32, 1), _I64, _I64, Array(np.int64, 1),
     ),
     "the bounding volume hierarchy",
 )
@@ -127,11 +130,16 @@ def build(
     return _with_trees((primitives, corners, bounds), planes, groups, trees, tables, instants)
 
 
-def build_over_triangles(corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh") -> Accelerator:
-    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides."""
+def build_over_triangles(
+    corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh", *, spatial_splits: bool = False
+) -> Accelerator:
+    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides; large ones in parts on request."""
     primitives, bounds = np.zeros(len(corners), dtype=PRIMITIVE), np.empty((len(corners), 6), dtype=np.float32)
     primitives["triangle"], primitives["opaque"] = numbers, 1
     _BOUND_TRIANGLES(corners, bounds)
+    if spatial_splits and accelerator == "bvh":
+        rows, bounds = split_boxes(corners, bounds)
+        primitives, corners = primitives[rows], corners[rows]
     return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), accelerator)
 
 
@@ -170,25 +178,61 @@ def _hierarchy(
 ) -> Accelerator:
     """The tree over more primitives than fit into a pack, of which the first `n_trees` are trees."""
     n = len(primitives)
-    order, binary, used = np.arange(n, dtype=np.int32), np.zeros(n, dtype=NODE), np.array([0, n_trees], dtype=np.int64)
-    boxes = np.zeros((n, 16), dtype=np.float32)
-    np.negative(bounds[:, :3], out=boxes[:, :3])
-    boxes[:, 4:7] = bounds[:, 3:]
-    np.add(bounds[:, :3], bounds[:, 3:], out=boxes[:, 12:15])
-    np.negative(boxes[:, 12:15], out=boxes[:, 8:11])
-    _BUILD(boxes.reshape(-1), order, binary, *_build_scratch(), _LEAF_SIZE, used)
-    n_binary = int(used[0])
+    order = np.arange(n, dtype=np.int32)
+    binary = _binary_tree(bounds, order, n_trees)
+    n_binary = len(binary)
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
     packs, tags = _room_for_packs(n_binary + 1)
     costs, splits = np.empty((2 * n_binary, 7), dtype=np.float32), np.empty((2 * n_binary, 8), dtype=np.int8)
     counts, firsts = np.empty(2 * n_binary, dtype=np.int32), np.empty(2 * n_binary, dtype=np.int32)
     waiting, slots = np.empty((n_binary, 3), dtype=np.int32), np.empty((4, 16), dtype=np.int32)
-    used[1] = n_trees
-    _WIDEN(binary[:n_binary], primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
+    used = np.array([0, n_trees], dtype=np.int64)
+    _WIDEN(binary, primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
     n_nodes, n_packs = (int(count) for count in used)
     return Accelerator(
         _kept(nodes, NODE_WORDS * n_nodes), _kept(packs, PACK_WORDS * n_packs), _kept(tags, TAG_WORDS * n_packs), primitives, planes
     )
+
+
+def _binary_tree(bounds: NDArray[np.float32], order: NDArray[np.int32], n_trees: int) -> NDArray[np.void]:
+    """(k,) NODE: the tree of two over boxes (n, 6), of which the first `n_trees` are trees; `order` becomes that of its leaves.
+
+    Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree.
+    """
+    n = len(bounds)
+    boxes = np.zeros((n, 16), dtype=np.float32)
+    np.negative(bounds[:, :3], out=boxes[:, :3])
+    boxes[:, 4:7] = bounds[:, 3:]
+    np.add(bounds[:, :3], bounds[:, 3:], out=boxes[:, 12:15])
+    np.negative(boxes[:, 12:15], out=boxes[:, 8:11])
+    if n < _MANY or n_trees:
+        return _subtree(boxes, order, _LEAF_SIZE, 0, n_trees)
+    upper = _subtree(boxes, order, n // _PIECES, 0, 0)
+    depths = np.zeros(len(upper), dtype=np.int64)
+    for node, children in enumerate(upper["child"]):
+        depths[children[children >= 0]] = depths[node] + 1
+    pieces = [(node, side) for node, side in np.argwhere(upper["count"] > _LEAF_SIZE)]
+    made: list[NDArray[np.void]] = [upper] * len(pieces)
+
+    def build_piece(k: int) -> None:
+        node, side = pieces[k]
+        first, count = -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
+        part = slice(first, first + count)
+        made[k] = _subtree(boxes[part], order[part], _LEAF_SIZE, int(depths[node]) + 1, 0)
+        made[k]["child"][made[k]["child"] < 0] -= first
+
+    run_all(build_piece, range(len(pieces)), thread_count(None))
+    starts = np.cumsum([len(upper), *map(len, made)])
+    for (node, side), start, piece in zip(pieces, starts, made, strict=False):
+        upper["child"][node, side], upper["count"][node, side] = start, 0
+        piece["child"][piece["child"] >= 0] += start
+    return np.concatenate([upper, *made])
+
+
+def _subtree(boxes: NDArray[np.float32], order: NDArray[np.int32], leaf_size: int, above: int, n_trees: int) -> NDArray[np.void]:
+    nodes, used = np.zeros(len(order), dtype=NODE), np.array([0, n_trees], dtype=np.int64)
+    _BUILD(boxes.reshape(-1), order, nodes, *_build_scratch(), leaf_size, above, used)
+    return nodes[: int(used[0])].copy()
 
 
 def _build_scratch() -> tuple[NDArray[Any], ...]:

@@ -204,17 +204,18 @@ def _any_before(n, order, first: int, last: int) -> bool:
 
 
 @kernel
-def build_tree(boxes, order, nodes, stack, ranges, bins, counts, costs, leaf_size, used):
+def build_tree(boxes, order, nodes, stack, ranges, bins, counts, costs, leaf_size, above, used):
     """Fill `nodes`, and bring `order` and `boxes` into the order of the leaves; used[0] is the number of nodes.
 
-    `boxes` (16 n,): the two rows of each primitive. The first used[1] primitives are trees, each a leaf of its own.
+    `boxes` (16 n,): the two rows of each primitive. The first used[1] primitives are trees, each a leaf of its own. `above`: how deep the
+    root stands in a larger tree.
 
     `stack` (k, 4) holds what waits: node, first, last, depth; `ranges` (8 k + 8,) where its centres lie. Deep down, where the heuristic
     would make a list of it, the tree is split in the middle, so that no walk needs more than the stack it has. Scratch: `bins` (416,)
     float32, `counts` (48,) int32, `costs` (16,) float32.
     """
     count, top, n_trees = 1, 1, used[1]
-    stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0, 0, order.shape[0], 0
+    stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = 0, 0, order.shape[0], above
     _bound(boxes, 0, order.shape[0], bins, _LEFT)
     store8(ranges, 0, load8(bins, 8 * (_LEFT + 1)))
     while top > 0:

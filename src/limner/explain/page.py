@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .story import Step
-from .values import text_of
+from .values import shortest, text_of
 
 if TYPE_CHECKING:
     from .explain import Explanation
@@ -50,7 +50,7 @@ def page(told: Explanation) -> str:
         f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head><body>"
         f"<h1>Why does {html.escape(title)} look like that?</h1>"
         f'<p><span class="swatch" style="background:{_css(told.pixel)}"></span> <span class="value">'
-        f"{html.escape(text_of([float(str(part)) for part in told.pixel]))}</span> red, green, blue, alpha; linear light. "
+        f"{html.escape(text_of([shortest(part) for part in told.pixel]))}</span> red, green, blue, alpha; linear light. "
         f"{told.width} × {told.height} pixels, {told.samples} samples. {exact}</p>"
         f'<div class="row">{"".join(figures)}</div>'
         f"{_tree(told.story, 0)}</body></html>\n"

@@ -51,7 +51,8 @@ def shortest(value: float | np.floating[Any]) -> float | str:
     """The shortest number that is read as the same float32 (or float64); a word where JSON has no number."""
     if not math.isfinite(value):
         return str(float(value))
-    return float(str(value)) if isinstance(value, np.floating) else float(value)
+    # Not str(): how it writes numbers can be set, and some libraries do.
+    return float(np.format_float_scientific(value, unique=True)) if isinstance(value, np.floating) else float(value)
 
 
 def plain(value: Any, names: Names | None = None) -> Any:

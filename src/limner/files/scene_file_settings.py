@@ -20,6 +20,8 @@ class Settings:
     height: int | None = None
     samples: int | None = None
     seed: int | None = None
+    noise: float | None = None
+    time_limit: float | None = None
     max_depth: int | None = None
     shadows: bool | None = None
     sampler: Literal["regular", "random", "jittered", "multijittered", "halton", "sobol"] | None = None

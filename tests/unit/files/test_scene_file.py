@@ -656,6 +656,7 @@ def test_settings_are_those_of_render() -> None:
     from limner.render import RENDERERS, render
 
     of_the_machine = {"scene", "camera", "threads", "tile_size", "on_progress", "cancel"}
+    of_the_machine |= {"checkpoint", "checkpoint_seconds", "resume", "on_snapshot"}
     assert {field.name for field in dataclasses.fields(Settings)} == set(inspect.signature(render).parameters) - of_the_machine
     words = {member.name: set(get_args(member.form.plain[0])) for member in members_of(Settings)}
     for name, known in {"renderer": RENDERERS, "sampler": SAMPLERS, "culling": CULLINGS, "filter": FILTERS}.items():

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..errors import FileFormatError, LimnerError, UnsupportedError
 from ..linear import quaternion
-from ..scene.animation import Animation, Channel, FieldChannel, NodeChannel
+from ..scene.animation import Animation, Channel, FieldChannel, NodeChannel, WeightsChannel
 from ..scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from ..scene.light import Light
 from ..scene.motion import KeyedMotion
@@ -60,6 +60,7 @@ class Modules(NamedTuple):
     UsdGeom: Any
     UsdLux: Any
     UsdShade: Any
+    UsdSkel: Any
     UsdUtils: Any
     Ar: Any
 
@@ -96,9 +97,13 @@ def read(
     except Exception as error:  # a parser on a foreign file may raise anything
         raise FileFormatError(f"OpenUSD cannot read it: {_reason(error)}", path) from None
     _check_layers(stage, Path(path))
+    _bake_skins(stage, modules, notes)
     for one in said.TakeUncoalescedDiagnostics():
         notes.slip(f"OpenUSD says: {one.commentary}"[:200], kind="ignored")
-    return _Reader(stage, modules, sources, notes).scene()
+    try:
+        return _Reader(stage, modules, sources, notes).scene()
+    except RecursionError:
+        raise FileFormatError("its prims are nested too deeply to be read", path) from None
 
 
 def _reason(error: Exception) -> str:
@@ -116,12 +121,29 @@ def _check_layers(stage: Any, path: Path) -> None:
             raise FileFormatError(f"a layer must stay inside the model's folder, got {quoted(place)}", path)
 
 
+def _bake_skins(stage: Any, modules: Modules, notes: Notes) -> None:
+    """Let the library lead skinned points by their skeletons: afterwards they have keys as any others have."""
+    if not any(prim.IsA(modules.UsdSkel.Root) for prim in stage.Traverse()):
+        return
+    # Not into the layers of the file, which the library may show others.
+    stage.SetEditTarget(modules.Usd.EditTarget(stage.GetSessionLayer()))
+    try:
+        done = modules.UsdSkel.BakeSkinning(modules.Usd.PrimRange(stage.GetPseudoRoot()))
+    except Exception:  # a library on a foreign file may raise anything
+        done = False
+    if done:
+        notes.add("skins are led at the keys of their skeletons, and go straight between them", kind="approximated")
+    else:
+        notes.slip("skins are shown as they are at rest")
+
+
 class _Moving(NamedTuple):
     """What changes about a node, until its path is known."""
 
     node: Node
     motion: KeyedMotion | None
     visible: Track | None
+    weights: Track | None
 
 
 class _Reader:
@@ -143,6 +165,7 @@ class _Reader:
         self._lights = Lights(modules, sources, notes, self._time)
         self._moving: list[_Moving] = []
         self._prototypes: dict[tuple[str, str], tuple[Node, ...]] = {}
+        self._spreading: set[str] = set()
         self._n_nodes = 0
 
     def scene(self) -> Scene:
@@ -200,9 +223,9 @@ class _Reader:
             + self._below(prim, bound, node_world, depth),
             visible=self._visible_at(prim, self._time),
         )  # fmt: skip
-        shown = self._visibility(prim)
-        if motion is not None or shown is not None:
-            self._moving.append(_Moving(node, motion, shown))
+        shown, weights = self._visibility(prim), self._weights(standing)
+        if motion is not None or shown is not None or weights is not None:
+            self._moving.append(_Moving(node, motion, shown, weights))
         return node
 
     def _below(self, prim: Any, bound: Any, world: Floats, depth: int) -> tuple[Node, ...]:
@@ -242,9 +265,13 @@ class _Reader:
         return tuple(made)
 
     def _prototype(self, prim: Any, bound: Any, world: Floats, depth: int) -> Node | None:
-        if not prim:
+        path = str(prim.GetPath()) if prim else ""
+        if not prim or path in self._spreading:
+            self._notes.slip("a prototype that is not there, or that spreads itself, is left out", path)
             return None
+        self._spreading.add(path)
         node = self._node(prim, bound, world, depth)
+        self._spreading.discard(path)
         # A prototype is shown where it is spread, whether it is hidden where it stands or not.
         return node if node is None or node.visible else dataclasses.replace(node, visible=True)
 
@@ -304,6 +331,13 @@ class _Reader:
         times = np.array(codes) / (float(self._stage.GetTimeCodesPerSecond()) or 24.0)
         return Track(times, np.array([float(self._visible_at(prim, code)) for code in codes]), "step")
 
+    def _weights(self, standing: tuple[Standing, ...]) -> Track | None:
+        """Keys for what bends: at each code one morph alone, at the first none, so that points go straight from one to the next."""
+        codes = next((one.codes for one in standing if one.codes), ())
+        if not codes:
+            return None
+        return Track(np.array(codes) / (float(self._stage.GetTimeCodesPerSecond()) or 24.0), np.eye(len(codes))[:, 1:])
+
     def _animations(self, root: Node) -> tuple[Animation, ...]:
         if not self._moving:
             return ()
@@ -315,6 +349,8 @@ class _Reader:
                 channels.append(NodeChannel(placed.path, moving.motion))
             if moving is not None and moving.visible is not None:
                 channels.append(FieldChannel("node", placed.path, "visible", moving.visible))
+            if moving is not None and moving.weights is not None:
+                channels.append(WeightsChannel(placed.path, moving.weights))
         return (Animation("", tuple(channels)),) if channels else ()
 
     # Cameras

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["Lights"]
 
 _UPRIGHT = 1e-3
+_MOST_STOPS = 100.0
 
 Found = tuple[tuple[Light, ...], tuple[Standing, ...]]
 
@@ -62,7 +63,7 @@ class Lights:
         color = np.array(light.GetColorAttr().Get(self._time), dtype=np.float64)
         if light.GetEnableColorTemperatureAttr().Get(self._time):
             color = color * np.array(self._lux.BlackbodyTemperatureAsRgb(light.GetColorTemperatureAttr().Get(self._time)))
-        intensity = float(light.GetIntensityAttr().Get(self._time)) * 2.0 ** float(light.GetExposureAttr().Get(self._time))
+        intensity = float(light.GetIntensityAttr().Get(self._time)) * _factor(float(light.GetExposureAttr().Get(self._time)))
         if light.GetFiltersRel().GetTargets():
             self._notes.add("filters of lights are ignored", str(prim.GetPath()))
         normalized = bool(light.GetNormalizeAttr().Get(self._time))
@@ -88,7 +89,7 @@ class Lights:
         lux, time, name = self._lux, self._time, prim.GetName()
         if kind == "SphereLight":
             radius = float(lux.SphereLight(prim).GetRadiusAttr().Get(time))
-            radiance = intensity / (4.0 * math.pi * radius**2) if normalized and radius > 0.0 else intensity
+            radiance = _spread(intensity, 4.0 * math.pi * radius**2, normalized)
             candela = radiance * math.pi * (radius * unit) ** 2
             cone = prim.GetAttribute("inputs:shaping:cone:angle")
             if cone and cone.HasAuthoredValue() and float(cone.Get(time)) < 90.0:
@@ -103,18 +104,18 @@ class Lights:
             self._notes.add("the cone of a light with an area is ignored", str(prim.GetPath()))
         if kind == "DiskLight":
             radius = float(lux.DiskLight(prim).GetRadiusAttr().Get(time))
-            return (DiskLight(tint, intensity / (math.pi * radius**2) if normalized else intensity, radius * unit, name=name),), ()
+            return (DiskLight(tint, _spread(intensity, math.pi * radius**2, normalized), radius * unit, name=name),), ()
         if kind == "RectLight":
             light = lux.RectLight(prim)
             width, height = float(light.GetWidthAttr().Get(time)), float(light.GetHeightAttr().Get(time))
             if light.GetTextureFileAttr().Get(time):
                 self._notes.add("the picture of a light is left out", str(prim.GetPath()))
-            radiance = intensity / (width * height) if normalized else intensity
+            radiance = _spread(intensity, width * height, normalized)
             return (RectangleLight(tint, radiance, width * unit, height * unit, name=name),), ()
         if kind == "CylinderLight":
             light = lux.CylinderLight(prim)
             radius, length = float(light.GetRadiusAttr().Get(time)), float(light.GetLengthAttr().Get(time))
-            radiance = intensity / (2.0 * math.pi * radius * length) if normalized else intensity
+            radiance = _spread(intensity, 2.0 * math.pi * radius * length, normalized)
             glow = Lambert((0.0, 0.0, 0.0), emission=tuple(radiance * c for c in tint))
             self._notes.add("a cylinder that shines lights in path alone", str(prim.GetPath()), kind="approximated")
             return (), (Standing(Shape(Cylinder(radius, length, capped=False), (glow,)), along_axis("X")),)
@@ -153,3 +154,13 @@ class Lights:
         # Its picture has +z in the middle and +x to the left; ours has +x in the middle and +z to the right.
         about_y = math.degrees(math.atan2(-turn[2, 0], turn[0, 0])) - 90.0
         self.environment = Environment(str(place), intensity * float(np.mean(tint)), about_y)
+
+
+def _factor(exposure: float) -> float:
+    """What an exposure multiplies by; beyond a hundred stops it makes no difference any more."""
+    return 1.0 if math.isnan(exposure) else 2.0 ** min(max(exposure, -_MOST_STOPS), _MOST_STOPS)
+
+
+def _spread(intensity: float, size: float, normalized: bool) -> float:
+    """The radiance of a surface; a normalised light is spread over its size, if it has any."""
+    return intensity / size if normalized and size > 0.0 else intensity

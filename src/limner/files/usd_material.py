@@ -116,8 +116,8 @@ class Materials:
         return otherwise if value is None else value
 
     def _number(self, shader: Any, name: str, otherwise: float) -> float:
-        value = float(self._value(shader, name, otherwise))
-        return value if math.isfinite(value) else otherwise
+        given = self._value(shader, name, otherwise)
+        return float(given) if isinstance(given, (bool, int, float)) and math.isfinite(given) else otherwise
 
     def _share(self, shader: Any, name: str, otherwise: float) -> float:
         return min(max(self._number(shader, name, otherwise), 0.0), 1.0)

@@ -21,6 +21,7 @@ from ..mesh.mesh import Mesh
 from ..mesh.polygons import triangulate
 from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
+from ..scene.rig import Morph
 from ..scene.shape import Box, Cone, Cylinder, Geometry, Shape, Sphere
 from .notes import Notes
 from .sources import Sources
@@ -37,6 +38,7 @@ LEVELS = 2
 
 _MOST_DIVIDED = 1_000_000  # triangles of one mesh after that; larger ones are divided less
 _UVS = ("st", "UVMap", "uv", "st0", "map1", "Texture_uv")  # what texture coordinates are called, the likeliest first
+_MOST_MOVED = 20_000_000  # positions of all morphs of one mesh
 _SHARP = 10.0  # what USD calls a crease that stays for ever
 
 Floats = NDArray[np.float32]
@@ -44,10 +46,11 @@ Indices = NDArray[np.int64]
 
 
 class Standing(NamedTuple):
-    """A shape, and how it is turned in its node where it is."""
+    """A shape, how it is turned in its node where it is, and at which time codes it is at rest, then in each of its morphs."""
 
     shape: Shape
     node_from_shape: NDArray[np.float64] | None = None
+    codes: tuple[float, ...] = ()
 
 
 class _Faces(NamedTuple):
@@ -94,10 +97,9 @@ class Geometries:
         if not prim.IsA(self._usd.Gprim):
             return ()
         where = str(prim.GetPath())
-        if prim.IsA(self._usd.PointBased) and self._usd.PointBased(prim).GetPointsAttr().ValueMightBeTimeVarying():
+        moves = prim.IsA(self._usd.PointBased) and self._usd.PointBased(prim).GetPointsAttr().ValueMightBeTimeVarying()
+        if moves and not prim.IsA(self._usd.Mesh):
             self._notes.add("points that move are shown where they are at first; it does not move", where)
-        if any(str(schema).startswith("SkelBinding") for schema in prim.GetAppliedSchemas()):
-            self._notes.add("a skin is shown as it is at rest", where)
         if prim.IsA(self._usd.Mesh):
             return self._mesh(prim, bound, materials)
         made = self._other(prim)
@@ -186,6 +188,7 @@ class Geometries:
             self._notes.slip("a mesh without faces that can be shown is left out", where)
             return ()
         positions = np.where(finite_rows(positions)[:, None], positions, np.float32(0.0))
+        codes, moved = self._moved(usd, positions)
         slots, used = self._materials_of_faces(prim, bound, len(counts))
         scheme = str(usd.GetSubdivisionSchemeAttr().Get(time))
         divides = scheme in ("catmullClark", "loop")
@@ -194,7 +197,7 @@ class Geometries:
         per_corner = reads_display and not divides and display is not None and display.of in ("uniform", "faceVarying")
         if per_corner:
             # One colour for a corner needs a position for it.
-            positions = positions[faces.positions_of]
+            positions, moved = positions[faces.positions_of], [points[faces.positions_of] for points in moved]
             faces = faces._replace(positions_of=np.arange(len(faces.positions_of)))
         triangles = faces.positions_of[faces.corners].astype(np.int32)
         uvs, uv_triangles = self._texture_coordinates(prim, materials.coordinates_of(used), faces, triangles)
@@ -207,11 +210,32 @@ class Geometries:
         )  # fmt: skip
         if str(usd.GetOrientationAttr().Get(time)) == "leftHanded":
             mesh = _turned(mesh)
+        bare, morphs = mesh, list[Morph]()
         if divides:
-            mesh = self._divided(mesh, usd, scheme, faces, where)
+            mesh = self._divided(bare, usd, scheme, faces, where)
+        if (len(codes) - 1) * len(mesh.positions) > _MOST_MOVED:
+            self._notes.add("a mesh that moves in too many ways is shown where it is at first; it does not move", where)
+            codes, moved = (), []
+        for points in moved:
+            bent = dataclasses.replace(bare, positions=points)
+            morphs.append(_morph(mesh, self._divided(bent, usd, scheme, faces, where, again=True) if divides else bent))
         plain, alpha = self._display_color(prim)
         color = (1.0, 1.0, 1.0) if mesh.colors is not None else plain
-        return (Standing(Shape(mesh, tuple(materials.of(one, color, alpha) for one in used))),)
+        return (Standing(Shape(mesh, tuple(materials.of(one, color, alpha) for one in used), tuple(morphs)), None, codes),)
+
+    def _moved(self, usd: Any, positions: Floats) -> tuple[tuple[float, ...], list[Floats]]:
+        """At which time codes the points of a mesh are told, and where they are from the second on; nothing where they stay."""
+        attribute = usd.GetPointsAttr()
+        codes = tuple(map(float, attribute.GetTimeSamples()))
+        if len(codes) < 2 or (len(codes) - 1) * len(positions) > _MOST_MOVED:
+            if len(codes) > 1:
+                self._notes.add("a mesh that moves in too many ways is shown where it is at first; it does not move", str(usd.GetPath()))
+            return (), []
+        found = [np.array(attribute.Get(code), dtype=np.float32).reshape(-1, 3) for code in codes[1:]]
+        if any(len(points) != len(positions) or not np.isfinite(points).all() for points in found):
+            self._notes.add("a mesh whose points come and go does not move", str(usd.GetPath()))
+            return (), []
+        return codes, found
 
     def _cut(self, positions: Floats, counts: Indices, indices: Indices, prim: Any) -> _Faces:
         """Cut faces into triangles; what has no place is left out."""
@@ -253,12 +277,12 @@ class Geometries:
             used.append(material if material else bound)
         return (slots, used) if len(used) > 1 else (None, used)
 
-    def _divided(self, mesh: Mesh, usd: Any, scheme: str, faces: _Faces, where: str) -> Mesh:
-        """A mesh as smooth as it means to be."""
+    def _divided(self, mesh: Mesh, usd: Any, scheme: str, faces: _Faces, where: str, *, again: bool = False) -> Mesh:
+        """A mesh as smooth as it means to be; `again`: its triangles have been counted."""
         levels = LEVELS
         while levels and len(mesh.triangles) * 4**levels > _MOST_DIVIDED:
             levels -= 1
-        self._n_triangles += len(mesh.triangles) * (4**levels - 1)
+        self._n_triangles += 0 if again else len(mesh.triangles) * (4**levels - 1)
         if not levels or self._n_triangles > self._limits.max_triangles:
             self._notes.add("a large surface of subdivision is shown as its faces", where, kind="approximated")
             return mesh
@@ -385,6 +409,14 @@ class Geometries:
             return None, alpha
         r, g, b = (float(k) for k in np.clip(color.values[0], 0.0, None))
         return (r, g, b), alpha
+
+
+def _morph(mesh: Mesh, bent: Mesh) -> Morph:
+    """From a mesh to what it becomes, whose rows are the same."""
+    normals = None
+    if mesh.normals is not None and bent.normals is not None and mesh.normals.shape == bent.normals.shape:
+        normals = bent.normals - mesh.normals
+    return Morph(bent.positions - mesh.positions, normals)
 
 
 def _radii(widths: Any, count: int) -> float | Floats | None:

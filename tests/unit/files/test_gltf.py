@@ -146,15 +146,6 @@ def test_modes_without_indices(writer: Any, tmp_path: Path, mode: int, n_triangl
     assert len(mesh.triangles) == n_triangles
 
 
-@pytest.mark.parametrize("mode", [1, 2, 3])
-def test_lines_are_noted(triangle: Any, tmp_path: Path, mode: int) -> None:
-    """Lines are left out with a note; the triangles beside them are drawn."""
-    triangle.primitive(SQUARE, mode=mode)
-    scene = load(triangle.save(tmp_path))
-    assert len(scene.shapes()) == 1
-    assert any("/meshes/0/primitives/1" in note and "not drawn" in note for note in scene.notes)
-
-
 @given(
     offset=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
     scale=st.tuples(st.floats(-3, 3), st.floats(-3, 3)),

@@ -20,7 +20,7 @@ from limner.scene.scene import Scene
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("extension 'KHR_x' is ignored", "ignored"), ("map_bump is ignored", "ignored"), ("left out, lines are not drawn", "ignored"),
+        ("extension 'KHR_x' is ignored", "ignored"), ("map_bump is ignored", "ignored"), ("left out, it has no lines", "ignored"),
         ("drawn without map_Kd 'a.png': is missing", "ignored"), ("/nodes/3 has no light: is missing", "ignored"),
         ("the file has 2 scenes; only the default one is read", "ignored"), ("300 smoothing groups are not told apart", "ignored"),
         ("the default material stands in: no such index", "replaced"), ("material 'a' is not defined and drawn in grey", "replaced"),
@@ -48,7 +48,7 @@ def test_a_reader_may_say_the_kind() -> None:
     assert second.kind == "approximated"
 
 
-OBJ = "mtllib gone.mtl\no tile\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nusemtl red\nf 1//1 2//1 3//1\nl 1 2\n"
+OBJ = "mtllib gone.mtl\no tile\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nusemtl red\nf 1//1 2//1 3//1\np 1 2\n"
 
 
 def test_entries_are_the_notes(tmp_path: Path) -> None:

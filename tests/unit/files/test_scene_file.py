@@ -40,6 +40,7 @@ from limner.scene.displacement import Displacement
 from limner.scene.environment import Environment
 from limner.scene.fog import Fog
 from limner.scene.library import builtin
+from limner.scene.line_set import LineSet
 from limner.scene.motion import KeyedMotion, Motion
 from limner.scene.node import MAX_DEPTH, Node
 from limner.scene.points import PointCloud
@@ -125,6 +126,7 @@ def everything(folder: Path) -> Scene:
     """Two of much, one of everything; what is shared is shared."""
     (folder / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x10\x20\x30\x82")
     paints, (lambert, *_) = _materials(), _materials()
+    wire = LineSet(np.eye(3), [[0, 1], [2, 2]], np.eye(3), [0.1, 0.2, 0.3], 2.0, {"heat": np.arange(3)}, "wire")
     cloud = PointCloud(
         np.random.default_rng(2).random((9, 3)), normals=np.random.default_rng(3).normal(size=(9, 3)), radii=np.linspace(0.1, 0.3, 9),
         scalars={"heat": np.arange(9)}, name="cloud",
@@ -138,7 +140,7 @@ def everything(folder: Path) -> Scene:
         mesh, paints[:2], (Morph(rng.random((4, 3)), name="m"), Morph(None, rng.random((3, 3)))),
         Binding(np.tile([0, 1], (4, 1)), rng.random((4, 2))), Displacement(procedural.Noise(), 0.1, max_triangles=500),
     )  # fmt: skip
-    exact = [BilinearPatch(), Disk(0.5), Plane(), DistanceField(_distances()), _solid(paints[1]), cloud, mesh]
+    exact = [BilinearPatch(), Disk(0.5), Plane(), DistanceField(_distances()), _solid(paints[1]), cloud, mesh, wire]
     shapes = tuple(Shape(geometry, paints[k : k + 2]) for k, geometry in enumerate(exact))
     keyed = KeyedMotion(Track([0, 1], [[0, 0, 0], [1, 2, 3]]), Track.constant((0, 0, 0, 1), rotates=True), Track.constant((1, 1, 1)))
     lights = (
@@ -203,7 +205,7 @@ def test_what_is_shared_stays_shared(tmp_path: Path) -> None:
     """As many objects come back as went in: materials, textures, texels, geometries and nodes that several hold are one."""
 
     def counts(scene: Scene) -> Counter[str]:
-        named = (Mesh, PointCloud, Node, *TABLES["materials"], *TABLES["textures"], *TABLES["texels"])
+        named = (Mesh, PointCloud, LineSet, Node, *TABLES["materials"], *TABLES["textures"], *TABLES["texels"])
         return Counter(type(one).__name__ for one in _descriptions(scene, {}) if isinstance(one, named))
 
     for scene in (everything(tmp_path), menagerie()):

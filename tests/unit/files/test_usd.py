@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ pytest.importorskip("pxr", reason="the usd extra is not installed")
 
 from PIL import Image
 
-from limner.errors import FileFormatError, LimnerWarning
+from limner.errors import FileFormatError, LimnerError, LimnerWarning
 from limner.files.limits import Limits
 from limner.files.load import load
 from limner.files.report import load_report
@@ -451,3 +452,97 @@ def test_what_is_broken(tmp_path: Path) -> None:
     broken = SQUARE.replace("[0,1,2,3, 1,4,5,2]", "[0,1,2,3, 1,4,5,77]")
     with pytest.warns(LimnerWarning, match="1 faces that refer to no finite point"):
         assert len(the_mesh(stage(tmp_path, 'def Mesh "m" {' + broken + "}")).triangles) == 2
+
+
+QUAD = "point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]\n"
+QUAD += "int[] faceVertexCounts = [4]\nint[] faceVertexIndices = [0,1,2,3]\n"
+ODD = (
+    *(f'def {kind} "p" {{}}' for kind in ("Points", "BasisCurves", "NurbsPatch", "Mesh", "PointInstancer", "DomeLight_1", "Nothing")),
+    'def Sphere "s" { double radius = -1 }',
+    'def RectLight "l" { float inputs:width = 0\nbool inputs:normalize = 1 }',
+    'def SphereLight "l" { float inputs:intensity = nan }',
+    'def SphereLight "l" { float inputs:exposure = 1e30 }',
+    'def DomeLight "l" { asset inputs:texture:file = @../../missing.hdr@ }',
+    'def Camera "c" { float focalLength = 0\nfloat2 clippingRange = (-1, 0)\nfloat fStop = inf }',
+    'def Camera "c" { float verticalAperture = 0\nfloat horizontalAperture = 0 }',
+    f'def Mesh "m" {{ {QUAD} color3f[] primvars:displayColor = [(1,0,0), (1,1,0)] (interpolation = "vertex") }}',
+    f'def Mesh "m" {{ {QUAD} texCoord2f[] primvars:st = [(0,0)] (interpolation = "faceVarying")\nint[] primvars:st:indices = [0,5,0,0] }}',
+    f'def Mesh "m" {{ {QUAD} int[] creaseIndices = [0,9]\nint[] creaseLengths = [2]\nfloat[] creaseSharpnesses = [nan] }}',
+    f'def Mesh "m" {{ {QUAD} int[] holeIndices = [7,-3] }}',
+    f'def Mesh "m" {{ {QUAD} uniform token subdivisionScheme = "loop" }}',
+    'def Mesh "m" { point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]\n'
+    'int[] faceVertexCounts = [3,-3]\nint[] faceVertexIndices = [0,1,1,0,1,2] }',
+    'def PointInstancer "x" { rel prototypes = [</nope>]\nint[] protoIndices = [0,5,-1]\npoint3f[] positions = [(0,0,0)] }',
+    'def PointInstancer "x" { rel prototypes = [</x>]\nint[] protoIndices = [0]\npoint3f[] positions = [(0,0,0)] }',
+    'def Material "m" { token outputs:surface.connect = </m/s.outputs:surface>\n'
+    'def Shader "s" { uniform token info:id = "UsdPreviewSurface"\n'
+    'color3f inputs:diffuseColor.connect = </m/s.inputs:diffuseColor>\nfloat inputs:ior = -4\nfloat inputs:roughness = 9\n'
+    'string inputs:metallic = "x"\ntoken outputs:surface } }\ndef Sphere "s" { rel material:binding = </m> }',
+    'def Sphere "s" (prepend references = @nope.usda@) {}',
+    'def Xform "x" {' * 400 + "}" * 400,
+)  # fmt: skip
+
+
+def test_nothing_odd_ends_in_anything_but_a_scene_or_a_line(tmp_path: Path) -> None:
+    """What has no sense is left out or refused; nothing crashes, and no number that is none comes through."""
+    for text in ODD:
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", LimnerWarning)
+                scene = stage(tmp_path, text.replace('" {', '" {\n'))
+        except LimnerError:
+            continue
+        bounds = scene.bounds()
+        assert not np.isnan(bounds).any(), text
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+def test_points_that_move(tmp_path: Path, scheme: str) -> None:
+    """Keys of points become morphs: between two keys points go straight, surfaces of subdivision as those of the points there."""
+    moving = "point3f[] points.timeSamples = {{ 0: {0}, 24: {1}, 36: {2} }}\n"
+    moving += "int[] faceVertexCounts = [4]\nint[] faceVertexIndices = [0,1,2,3]\n"
+    flat = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    keys = [flat, [(x, y, x) for x, y, _ in flat], [(x, y, 2 * y) for x, y, _ in flat]]
+    form = f'uniform token subdivisionScheme = "{scheme}"\n'
+    scene = stage(tmp_path, 'def Mesh "m" {\n' + form + moving.format(*keys) + "}")
+    for time, height in ((0.0, (0.0, 0.0)), (0.5, (0.5, 0.0)), (1.25, (0.5, 1.0)), (9.0, (0.0, 2.0))):
+        mesh = the_mesh(scene.at(time))
+        x, y, z = mesh.positions.T
+        np.testing.assert_allclose(z, height[0] * x + height[1] * y, atol=1e-6)
+        assert len(mesh.triangles) == (2 if scheme == "none" else 32)
+
+
+def test_skins_are_led_by_their_skeletons(tmp_path: Path) -> None:
+    """A joint that lifts its half of a square lifts it in the scene; the file's own layer stays as it was."""
+    text = """
+def SkelRoot "body" {
+    def Skeleton "bones" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token[] joints = ["a", "b"]
+        uniform matrix4d[] bindTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))]
+        uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))]
+        rel skel:animationSource = </body/lift>
+    }
+    def SkelAnimation "lift" {
+        uniform token[] joints = ["a", "b"]
+        float3[] translations.timeSamples = { 0: [(0,0,0), (0,0,0)], 24: [(0,0,0), (0,0,4)] }
+        quatf[] rotations = [(1,0,0,0), (1,0,0,0)]
+        half3[] scales = [(1,1,1), (1,1,1)]
+    }
+    def Mesh "skin" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token subdivisionScheme = "none"
+        point3f[] points = [(0,0,0), (1,0,0), (1,1,0), (0,1,0)]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0,1,2,3]
+        rel skel:skeleton = </body/bones>
+        int[] primvars:skel:jointIndices = [0, 1, 1, 0] (interpolation = "vertex"
+            elementSize = 1)
+        float[] primvars:skel:jointWeights = [1, 1, 1, 1] (interpolation = "vertex"
+            elementSize = 1)
+    }
+}
+"""
+    for _ in range(2):
+        scene = stage(tmp_path, text)
+        for time, z in ((0.0, 0.0), (0.5, 2.0), (1.0, 4.0)):
+            mesh = the_mesh(scene.at(time))
+            np.testing.assert_allclose(mesh.positions[:, 2], z * mesh.positions[:, 0], atol=1e-5)

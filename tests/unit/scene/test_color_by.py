@@ -44,7 +44,7 @@ def test_what_is_refused() -> None:
         color_by(MESH, "cold")
     with pytest.raises(SceneError, match="one number for each of 4 positions"):
         color_by(MESH, [1.0, 2.0])
-    with pytest.raises(SceneError, match="needs a Mesh or a PointCloud"):
+    with pytest.raises(SceneError, match="needs a Mesh, a PointCloud or a LineSet"):
         color_by(SQUARE, HEAT)  # type: ignore[type-var]
     with pytest.raises(UnsupportedError, match="viridis"):
         color_by(MESH, "heat", "rainbow")

@@ -124,6 +124,7 @@ def test_what_crosses_the_plane_of_the_eye_is_not_wide_before_it() -> None:
     assert len(mesh.triangles) < 2000
 
 
+@SLOW_AS_PYTHON
 @pytest.mark.parametrize("camera", [CAMERA, PARALLEL], ids=["perspective", "parallel"])
 def test_both_renderers_see_the_same(camera: Any) -> None:
     """The same ids and depths, by raster and by ray, of wide lines and of lines of pixels."""

@@ -50,7 +50,8 @@ NAN, INF = float("nan"), float("inf")
         (lambda: BilinearPatch(((0, 0), (1, 0), (1, 1), (0, 1))), "bilinear_patch.corners must be three numbers"),
         (
             lambda: Shape("ball"),
-            "shape.geometry must be a Mesh, a PointCloud, a Sphere, Box or another primitive, a DistanceField or a combination of solids, "
+            "shape.geometry must be a Mesh, a PointCloud, a LineSet, a Sphere, Box or another primitive, a DistanceField or a "
+            "combination of solids, "
             "got str",
         ),
     ],

@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from .scene.fog import Fog
     from .scene.library import builtin
     from .scene.light import AmbientLight, DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
+    from .scene.line_set import LineSet
     from .scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness, ShadowCatcher, Variant
     from .scene.material_extensions import Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Sheen, Specular, Transmission, Volume
     from .scene.motion import KeyedMotion, Motion
@@ -158,6 +159,7 @@ __all__ = [
     "LimnerError",
     "LimnerWarning",
     "LineLook",
+    "LineSet",
     "LineStyle",
     "LoadEntry",
     "LoadReport",
@@ -333,6 +335,7 @@ _HOMES = {
     "scene.fog": ("Fog",),
     "scene.library": ("builtin",),
     "scene.light": ("AmbientLight", "DirectionalLight", "DiskLight", "PointLight", "RectangleLight", "SphereLight", "SpotLight"),
+    "scene.line_set": ("LineSet",),
     "scene.material": ("BlinnPhong", "CoolToWarm", "Dielectric", "Lambert", "MetallicRoughness", "ShadowCatcher", "Variant"),
     "scene.material_extensions": (
         "Anisotropy", "Clearcoat", "DiffuseTransmission", "Iridescence", "Sheen", "Specular", "Transmission", "Volume",

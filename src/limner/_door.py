@@ -11,7 +11,8 @@ The cached code is named by a hash of the kernel's sources (the door's import cl
 llvmlite, and the CPU: it cannot be stale, and an edit elsewhere recompiles nothing. It is written under a temporary name and
 moved into place, so that processes may race; a folder that cannot be written costs the cache, not the picture.
 
-Environment: ``LIMNER_CACHE_DIR`` names the cache folder (default: ``limner`` in the user's cache folder).
+Environment: ``LIMNER_CACHE_DIR`` names the cache folder (default: ``limner`` in the user's cache folder). ``NUMBA_CPU_NAME=generic`` makes
+code for any CPU of the architecture, and a cache that may be carried from one machine to another, as in a container's image.
 """
 
 from __future__ import annotations
@@ -331,7 +332,7 @@ def _machine() -> bytes:
     """Everything but the sources that decides about the machine code."""
     import llvmlite.binding as llvm
 
-    parts = [llvm.get_process_triple(), llvm.get_host_cpu_name(), str(sorted(llvm.get_host_cpu_features().items()))]
+    parts = [llvm.get_process_triple(), *_processor()]
     parts += [f"{k}={v}" for k, v in sorted(os.environ.items()) if k.startswith("NUMBA_") and k != "NUMBA_CACHE_DIR"]
     text = "\n".join(parts).encode()
     for package in ("numba", "llvmlite"):
@@ -339,6 +340,17 @@ def _machine() -> bytes:
         if found is not None and found.origin:
             text += (Path(found.origin).parent / "_version.py").read_bytes()
     return text
+
+
+def _processor() -> tuple[str, str]:
+    """Name and features of the CPU that code is made for: this one, or one that Numba is told of (``NUMBA_CPU_NAME=generic``)."""
+    import llvmlite.binding as llvm
+
+    name = os.environ.get("NUMBA_CPU_NAME", "")
+    features = os.environ.get("NUMBA_CPU_FEATURES", "" if name.lower() == "generic" else None)
+    if name and features is not None:
+        return name, features
+    return llvm.get_host_cpu_name(), str(sorted(llvm.get_host_cpu_features().items()))
 
 
 # --- sources --------------------------------------------------------------------------------------------------------------

@@ -37,3 +37,23 @@ def test_a_warm_run_never_imports_numba(tmp_path: Path, renderer: str) -> None:
     assert "llvmlite" in warm
     heavy = {"numba", "PIL", "OpenEXR", "click", "rich", "scipy", "trimesh"}
     assert not heavy & warm
+
+
+def test_code_for_any_processor_does_not_know_this_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Told to compile for a generic processor, a cache is named alike on all machines; otherwise each kind has files of its own."""
+    import llvmlite.binding
+
+    from limner import _door
+
+    def keys() -> tuple[bytes, bytes]:
+        here = _door._machine()
+        with monkeypatch.context() as elsewhere:
+            elsewhere.setattr(llvmlite.binding, "get_host_cpu_name", lambda: "another")
+            return here, _door._machine()
+
+    monkeypatch.delenv("NUMBA_CPU_NAME", raising=False)
+    here, there = keys()
+    assert here != there
+    monkeypatch.setenv("NUMBA_CPU_NAME", "generic")
+    generic_here, generic_there = keys()
+    assert generic_here == generic_there != here

@@ -50,9 +50,9 @@ MATERIALS = (
 )
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in two rows on a ground, and follow light through them."""
-    ball = limner.primitives.sphere(1.0, 64)
+    ball = limner.primitives.sphere(1.0, 12 if small else 64)
     nodes = [
         limner.Node(
             parent_from_node=translate((column - (len(row) - 1) / 2) * STEP, 1.0, k * STEP), shapes=(limner.Shape(ball, (material,)),)
@@ -61,12 +61,13 @@ def main(target: str) -> None:
         for column, material in enumerate(row)
     ]
     lamp = limner.Node(parent_from_node=translate(-4, 8, 6), lights=(limner.SphereLight(intensity=60.0, radius=0.8),))
-    camera = limner.Camera.look_at((0, 6, 14), (0, 0.8, 1.2), yfov_degrees=32)
+    camera = limner.Camera.look_at((0, 6, 14), (0, 0.8, 1.2), yfov_degrees=30)
     scene = limner.Scene(limner.Node(children=(*nodes, lamp)), camera=camera, environment=limner.Environment((0.35, 0.4, 0.5)))
     scene = scene.with_ground(limner.Lambert((0.3, 0.3, 0.3)))
-    limner.render(scene, width=960, height=540, renderer="path", samples=64).save(target)
+    width, height, samples = (96, 54, 4) if small else (560, 315, 16)
+    limner.render(scene, width=width, height=height, renderer="path", samples=samples, denoise="filter").save(target)
     print(f"{target}: {len(nodes)} materials")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "materials.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "materials.png", "--small" in sys.argv)

@@ -38,8 +38,9 @@ def commands_markdown() -> str:
 
 def _sections(group: click.Group, parent: click.Context | None, name: str, level: int) -> Iterator[str]:
     context = click.Context(group, info_name=name, parent=parent, terminal_width=_WIDTH, max_content_width=_WIDTH)
-    for child in sorted(group.commands):
-        command = group.commands[child]
+    for child in sorted(group.list_commands(context)):
+        command = group.get_command(context, child)
+        assert command is not None
         yield from _section(command, click.Context(command, info_name=child, parent=context, max_content_width=_WIDTH), level)
         if isinstance(command, click.Group):
             yield from _sections(command, context, child, level + 1)

@@ -53,7 +53,7 @@ def engine(monkeypatch: pytest.MonkeyPatch) -> StandIn:
     module = ModuleType("limner.render")
     module.render = stand_in.render  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "limner.render", module)
-    monkeypatch.setattr("limner.cli.render.open_model", lambda *_: SCENE)
+    monkeypatch.setattr("limner.cli.picture.open_model", lambda *_: SCENE)
     monkeypatch.setattr("limner.cli.info.open_model", lambda _: SCENE)
     return stand_in
 

@@ -22,7 +22,7 @@ CLOUD = PointCloud([[0, 0, 0], [1, 0, 0], [0, 0, 5]], scalars={"heat": [0.0, 5.0
 @pytest.fixture
 def with_cloud(engine: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Every MODEL is a cloud of three points."""
-    monkeypatch.setattr("limner.cli.render.open_model", lambda *_: Scene(Node(shapes=(Shape(CLOUD),))))
+    monkeypatch.setattr("limner.cli.picture.open_model", lambda *_: Scene(Node(shapes=(Shape(CLOUD),))))
     return engine
 
 
@@ -75,7 +75,7 @@ def test_up(limner: Any, engine: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """The file's z becomes the scene's y; the recipe does not claim what it cannot say."""
     from limner.cli.model import open_model
 
-    monkeypatch.setattr("limner.cli.render.open_model", open_model)
+    monkeypatch.setattr("limner.cli.picture.open_model", open_model)
     save_model(PointCloud(CLOUD.positions, radii=0.25), "scan.ply")
     assert limner("render", "scan.ply", "-o", "a.png", "--model-up", "z").code == 0
     assert engine.asked[0]["scene"].bounds()[1].tolist() == [1.25, 5.25, 0.25]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import click
 
-from ..errors import LimnerError, UnsupportedError
+from .destination import check_canvas, put_canvas
+from .options import check_size, size
 from .talk import Talk
+from .values import WORDS
+from .voice import voice
 
-__all__ = ["CHARTS", "Order", "draw_chart"]
+__all__ = ["CHARTS", "chart"]
 
 CHARTS = ("chromaticity", "matching", "rgb-matching", "cones", "illuminants", "metamers", "metals", "checker", "banding", "gamma")
 """As in `limner.produce.charts`, which needs NumPy."""
@@ -33,11 +35,45 @@ class Order:
     height: int
 
 
-def draw_chart(order: Order, talk: Talk) -> None:
+@click.command(short_help="Draw a chart of colour: gamuts, observers, lamps, a screen's gamma.")
+@click.argument("kind", type=click.Choice(CHARTS), metavar="KIND")
+@click.option("-o", "--output", metavar="OUT", help="The picture file, or .svg for vectors; may be left out with --grey.")
+@click.option("--gamuts", type=WORDS, default="srgb,display_p3,rec2020", show_default=True, help="Spaces to draw (chromaticity).")
+@click.option("--plane", type=click.Choice(["xy", "uv"]), default="xy", show_default=True, help="CIE 1931 or 1976 (chromaticity).")
+@click.option("--points", metavar='"X,Y X,Y …"', help="Colours to mark, by x and y (chromaticity).")
+@click.option(
+    "--lights", type=WORDS, default="A,C,D50,D65,E", show_default=True, help="Names, or kelvin as in 3200 (illuminants).",
+)  # fmt: skip
+@click.option(
+    "--observer", type=click.Choice(["cie_1931_2", "cie_1964_10"]), default="cie_1931_2", show_default=True,
+    help="2 or 10 degrees (chromaticity, matching).",
+)  # fmt: skip
+@click.option("--grey", type=float, metavar="CODE", help="The code, 0 to 255, that was as bright as the board: tells gamma (gamma).")
+@size(960, 720, least=200)
+@voice
+@click.pass_obj
+def chart(talk: Talk, /, **options: Any) -> None:
+    """Draw a chart of KIND: chromaticity, matching, rgb-matching, cones, illuminants, metamers, metals, checker, banding, gamma.
+
+    \b
+        limner chart chromaticity -o gamuts.svg --gamuts srgb,rec2020,acescg --plane uv
+        limner chart illuminants -o lamps.png --lights A,D65,3200
+        limner chart gamma -o gamma.png          look at it pixel by pixel, from afar; then
+        limner chart gamma --grey 186            gamma 2.20
+    """
+    order = Order(**options)
+    if order.grey is not None and order.kind != "gamma":
+        raise click.UsageError("--grey is the answer to the chart gamma")
+    if order.output is None and order.grey is None:
+        raise click.UsageError("nothing was asked for: give -o" + (", --grey or both" if order.kind == "gamma" else ""))
+    check_size(order.width, order.height)
+    _draw_chart(order, talk)
+
+
+def _draw_chart(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     if order.output is not None:
-        as_svg = Path(order.output).suffix.lower() == ".svg"
-        _check_output(order.output, as_svg)
+        as_svg = check_canvas(order.output)
         _draw(order, order.output, as_svg)
     if order.grey is not None:
         click.echo(f"gamma {_gamma(order.grey):.2f}", err=order.output == "-")
@@ -65,12 +101,7 @@ def _draw(order: Order, output: str, as_svg: bool) -> None:
         lights=[_light(word) for word in order.lights],
         observer=order.observer,
     )
-    if not as_svg:
-        canvas.image().save(output)
-        return
-    from ..produce.folder import put
-
-    put(Path(os.path.realpath(output)), canvas.svg().encode())
+    put_canvas(canvas, output, as_svg)
 
 
 def _light(word: str) -> str | float:
@@ -89,16 +120,3 @@ def _pairs(text: str | None) -> list[tuple[float, float]]:
     if any(len(row) != 2 for row in rows):
         raise click.UsageError(f"--points takes pairs of numbers with a comma between them, got {text!r}")
     return [(row[0], row[1]) for row in rows]
-
-
-def _check_output(output: str, as_svg: bool) -> None:
-    """Refuse an output that cannot be written before anything is computed for it."""
-    from ..image.save import check_destination
-
-    try:
-        # The same questions of its folder as for any picture.
-        check_destination(f"{output[:-4]}.png" if as_svg and not Path(output).is_dir() else output)
-    except UnsupportedError as error:
-        raise click.UsageError(f"{error}, or .svg") from error
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error

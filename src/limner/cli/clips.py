@@ -9,6 +9,7 @@ import click
 from ..errors import LimnerError
 from .main import INTERRUPTED
 from .model import open_model
+from .surroundings import surrounded
 from .talk import Talk
 from .values import Background
 
@@ -56,15 +57,7 @@ def checked_kind(order: ClipOrder, n_pictures: int = 1) -> ClipKind:
 
 def scene_of(order: ClipOrder, kind: ClipKind, talk: Talk) -> Scene:
     """The model with the surroundings that the command line asks for."""
-    scene = open_model(order.model)
-    if order.environment is not None:
-        from ..scene.environment import Environment
-
-        scene = scene.replace(environment=Environment(order.environment))
-    if order.background is not None:
-        scene = scene.replace(background=None if order.background == "transparent" else order.background)
-    if order.ground:
-        scene = scene.with_ground()
+    scene = surrounded(open_model(order.model), order.environment, order.background, ground=order.ground)
     talk.note(scene.notes)
     if order.background == "transparent" and not kind.keeps_alpha:
         talk.warn([f"{kind.name} has no transparency: white is behind the model; .webp, .png and a folder have"])

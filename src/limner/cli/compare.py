@@ -8,10 +8,12 @@ from typing import Any
 
 import click
 
-from ..errors import LimnerError
+from .destination import check_picture
+from .options import as_json
 from .talk import Talk
+from .voice import voice
 
-__all__ = ["Order", "compare"]
+__all__ = ["compare"]
 
 _DIFFERENT = 1
 _GREATER_IS_BETTER = ("psnr", "ssim")
@@ -32,7 +34,35 @@ class Order:
     as_json: bool
 
 
-def compare(order: Order, talk: Talk) -> None:
+@click.command(short_help="Tell how different two pictures are.")
+@click.argument("reference", metavar="A")
+@click.argument("test", metavar="B")
+@click.option("-o", "--output", metavar="OUT", help="A picture of where they differ.")
+@click.option("--picture", type=click.Choice(["flip", "absolute"]), default="flip", show_default=True, help="What OUT shows.")
+@click.option("--gain", type=click.FloatRange(0.0, min_open=True), default=10.0, show_default=True, help="Of --picture absolute.")
+@click.option(
+    "--metric", type=click.Choice(["rmse", "rel_mse", "psnr", "ssim", "flip"]), default="flip", show_default=True,
+    help="What --fail-above and --fail-below look at.",
+)  # fmt: skip
+@click.option("--fail-above", type=float, metavar="X", help="Differ, for rmse, rel_mse and flip, means above X.")
+@click.option("--fail-below", type=float, metavar="X", help="Differ, for psnr and ssim, means below X.")
+@as_json()
+@voice
+@click.pass_obj
+def compare(talk: Talk, /, **options: Any) -> None:
+    """Tell how different the pictures A (the reference) and B are.
+
+    The code is 0 where they are alike, 1 where they differ: in any bit, or beyond the threshold where there is one.
+
+    \b
+        limner compare before.png after.png -o difference.png
+        limner compare reference.exr noisy.exr --metric rmse --fail-above 0.02
+    """
+
+    _compare(Order(**options), talk)
+
+
+def _compare(order: Order, talk: Talk) -> None:
     """Fulfil `order`; the code is 1 where the pictures differ more than they may."""
     _check(order)
     from ..files.open_image import open_image
@@ -70,14 +100,8 @@ def _check(order: Order) -> None:
         raise click.UsageError(f"the greater {order.metric} is, the more alike pictures are: use --fail-below")
     if order.fail_below is not None and order.metric not in _GREATER_IS_BETTER:
         raise click.UsageError(f"the greater {order.metric} is, the less alike pictures are: use --fail-above")
-    if order.output is None:
-        return
-    from ..image.save import check_destination
-
-    try:
-        check_destination(order.output)
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
+    if order.output is not None:
+        check_picture(order.output)
 
 
 def _tell(found: dict[str, Any]) -> None:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import LimnerError
-from .model import open_model
+from .destination import check_picture
+from .model import model_up, open_model
+from .options import MAX_SIDE, seed, weights
+from .screen import screen
 from .talk import Talk
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..image.image import Image
 
-__all__ = ["MODELS", "Order", "convert"]
+__all__ = ["MODELS", "convert"]
 
 MODELS = (".glb", ".gltf", ".yaml", ".yml", ".limner", ".obj", ".ply", ".stl")
 """What models are saved as."""
@@ -41,20 +44,51 @@ class Order:
     exposure: float = 0.0
 
 
-def convert(order: Order, talk: Talk) -> None:
+@click.command(short_help="Write a picture in another format, size or number of bits, or as a printer's dots.")
+@click.argument("source", metavar="PICTURE")
+@click.argument("output", metavar="OUT")
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), help="Columns.  [default: as --height has it]")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), help="Rows.  [default: as --width has it]")
+@weights("mitchell", "How pixels are made of others.")
+@click.option("--bits", type=click.Choice([1, 8, 16, 32]), help="Of each channel: PNG 1, 8, 16; EXR 16, 32.")
+@click.option(
+    "--dither", type=click.Choice(["ordered", "blue_noise", "random", "floyd_steinberg"]), help="How rounding is spread.",
+)  # fmt: skip
+@seed("For --dither.")
+@click.option("--dpi", type=click.FloatRange(0.0, min_open=True), help="Pixels per inch on paper.")
+@click.option(
+    "--halftone", type=click.FloatRange(0.0, min_open=True), metavar="LPI", help="Screen it for a printer of --dpi: lines per inch.",
+)  # fmt: skip
+@click.option("--angle", type=float, default=45.0, show_default=True, help="Of the screen, degrees.")
+@click.option("--shape", type=click.Choice(["round", "diamond", "line"]), default="round", show_default=True, help="Of the screen's dots.")
+@screen
+@model_up
+@voice
+@click.pass_obj
+def convert(talk: Talk, /, **options: Any) -> None:
+    """Write PICTURE to OUT, whose extension says the format; - is a PNG on standard output.
+
+    \b
+        limner convert render.exr small.png --width 640
+        limner convert photo.jpg print.png --width 2400 --dpi 600 --halftone 75
+        limner convert chair.glb chair.stl
+
+    Where OUT is .obj, .ply or .stl, PICTURE is a model, and is written as it stands in the world.
+    """
+
+    _convert(Order(**options), talk)
+
+
+def _convert(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     if Path(order.output).suffix.lower() in MODELS:
         _convert_model(order, talk)
         return
-    from ..image.save import check_destination, keeps_aovs
-
-    try:
-        check_destination(order.output, view=order.view, exposure=order.exposure)
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
+    check_picture(order.output, view=order.view, exposure=order.exposure)
     from dataclasses import replace
 
     from ..files.open_image import open_image
+    from ..image.save import keeps_aovs
     from ..produce.again import moved
 
     image = open_image(order.source)

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import itertools
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import LimnerError, UnsupportedError
+from .destination import check_canvas, put_canvas
+from .options import as_json, check_size, seed, size
 from .talk import Talk
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..curves.curve import Spline
     from ..draw.canvas import Canvas
     from ..image.image import Image
 
-__all__ = ["FRACTALS", "KINDS", "Order", "draw_curve"]
+__all__ = ["FRACTALS", "KINDS", "curve"]
 
 KINDS = ("bezier", "bspline", "nurbs", "catmull-rom", "cardinal", "natural", "hermite", "polyline")
 FRACTALS = (
@@ -54,10 +54,46 @@ class Order:
     as_json: bool
 
 
-def draw_curve(order: Order, talk: Talk) -> None:
+@click.command(short_help="Draw a curve or a fractal: a picture or SVG.")
+@click.argument("kind", type=click.Choice([*KINDS, *FRACTALS]), metavar="KIND")
+@click.option("-o", "--output", required=True, metavar="OUT", help="The picture file, or .svg for vectors.")
+@click.option("--points", metavar='"X,Y X,Y …"', help="Control points, or points to go through; hermite: points and tangents in turn.")
+@click.option("--weights", metavar="W,W,…", help="One for each control point (bezier, nurbs).")
+@click.option("--degree", type=click.IntRange(1, 30), default=3, show_default=True, help="Of bspline and nurbs.")
+@click.option(
+    "--alpha", type=click.FloatRange(0.0, 1.0), default=0.5, show_default=True,
+    help="Of catmull-rom: 0 uniform, 0.5 centripetal, 1 chordal.",
+)  # fmt: skip
+@click.option("--tension", type=float, default=0.0, show_default=True, help="Of cardinal: 1 is the polygon.")
+@click.option("--closed", is_flag=True, help="Back to the first point.")
+@click.option("--construction", type=click.FloatRange(0.0, 1.0), metavar="U", help="Show how de Casteljau finds the point at U (bezier).")
+@click.option("--comb", is_flag=True, help="Show the curvature as a comb.")
+@click.option("--marks", type=click.IntRange(2, 10_000), metavar="N", help="Show dots at N equal distances, rings at N equal parameters.")
+@click.option("--level", type=click.IntRange(0, 100_000), help="Of fractals: how often they grow; mandelbrot, julia: most steps.")
+@seed()
+@click.option("--c", default="-0.8,0.156", show_default=True, metavar="RE,IM", help="Of julia.")
+@click.option("--bounds", metavar="L,B,R,T", help="What part of the plane mandelbrot and julia show.  [default: all]")
+@size(800, 600)
+@as_json("Tell length, bounds and joints of a curve as JSON on standard output.")
+@voice
+@click.pass_obj
+def curve(talk: Talk, /, **options: Any) -> None:
+    """Draw a curve of KIND (bezier, bspline, nurbs, catmull-rom, cardinal, natural, hermite, polyline) or a fractal (koch, snowflake,
+    dragon, hilbert, gosper, sierpinski, levy, plant, fern, carpet, coast, mandelbrot, julia).
+
+    \b
+        limner curve bezier -o casteljau.svg --points "0,0 1,3 3,3 4,0" --construction 0.4
+        limner curve natural -o comb.png --points "0,0 1,2 3,1 4,3" --comb
+        limner curve mandelbrot -o seahorses.png --bounds=-0.76,0.08,-0.72,0.11 --level 1000
+    """
+    order = Order(**options)
+    check_size(order.width, order.height)
+    _draw_curve(order, talk)
+
+
+def _draw_curve(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
-    as_svg = Path(order.output).suffix.lower() == ".svg"
-    _check_output(order.output, as_svg)
+    as_svg = check_canvas(order.output)
     if order.kind in FRACTALS:
         made = _fractal(order)
     else:
@@ -72,9 +108,7 @@ def draw_curve(order: Order, talk: Talk) -> None:
 
     if not isinstance(made, Canvas):
         raise click.UsageError(f"{order.kind} is made of pixels, not of lines: ask for .png")
-    from ..produce.folder import put
-
-    put(Path(os.path.realpath(order.output)), made.svg().encode())
+    put_canvas(made, order.output, as_svg)
 
 
 def _image(made: Canvas | Image) -> Image:
@@ -195,15 +229,3 @@ def _tell(spline: Spline, talk: Talk) -> None:
             indent=2,
         )
     )
-
-
-def _check_output(output: str, as_svg: bool) -> None:
-    """Refuse an output that cannot be written before anything is computed for it."""
-    from ..image.save import check_destination
-
-    try:
-        check_destination(f"{output[:-4]}.png" if as_svg and not Path(output).is_dir() else output)
-    except UnsupportedError as error:
-        raise click.UsageError(f"{error}, or .svg") from error
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error

@@ -9,14 +9,19 @@ import click
 
 from .bar import Bar
 from .main import INTERRUPTED
-from .model import open_model
+from .model import model_up, open_model
+from .options import as_json, background, check_size, check_yfov, environment, orbit, renderer, samples, seed, size, threads
+from .surroundings import surrounded
 from .talk import Talk
-from .values import Background
+from .values import WORDS, Background
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..produce.dataset import Written
 
-__all__ = ["Order", "make_dataset"]
+__all__ = ["dataset"]
+
+_MAX_VIEWS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -44,17 +49,49 @@ class Order:
     as_json: bool
 
 
-def make_dataset(order: Order, talk: Talk) -> None:
+@click.command(short_help="Make a data set: a model from all around, with depth, normals, masks, cameras.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="FOLDER", help="Is made where it is not there.")
+@click.option("--views", type=click.IntRange(1, _MAX_VIEWS), default=36, show_default=True, help="In equal steps of a full turn.")
+@orbit(0.0, "view", 40.0)
+@size(640, 480)
+@renderer()
+@samples()
+@seed()
+@click.option("--aov", "aovs", type=WORDS, default="depth,normal,instance_id", show_default=True, help="To keep as arrays (.npz).")
+@click.option("--masks", type=click.Choice(["instance", "material"]), help="Write PNGs of 16 bits: 0 for nothing, else 1 + id.")
+@click.option(
+    "--annotations", type=click.Choice(["instance", "material", "none"]), default="instance", show_default=True,
+    help="Categories of annotations.json (COCO).",
+)  # fmt: skip
+@environment
+@background
+@click.option("--resume", is_flag=True, help="Go on with what is in the folder.")
+@threads()
+@as_json("Tell about the data set as JSON on standard output.")
+@model_up
+@voice
+@click.pass_obj
+def dataset(talk: Talk, /, **options: Any) -> None:
+    """Make a data set of MODEL: pictures from all around, arrays, masks, and the cameras in OpenCV's and OpenGL's words.
+
+    \b
+        limner dataset model.glb -o views --views 72 --elevation 30
+        limner dataset model.glb -o views --aov depth,position --masks material --background white
+
+    Ctrl-C stops early; what is finished is a data set, and --resume goes on with it.
+    """
+    order = Order(**options)
+    check_size(order.width, order.height)
+    check_yfov(order.yfov)
+    _make_dataset(order, talk)
+
+
+def _make_dataset(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     from ..produce.dataset import orbit_cameras, write
 
-    scene = open_model(order.model)
-    if order.environment is not None:
-        from ..scene.environment import Environment
-
-        scene = scene.replace(environment=Environment(order.environment))
-    if order.background is not None:
-        scene = scene.replace(background=None if order.background == "transparent" else order.background)
+    scene = surrounded(open_model(order.model), order.environment, order.background)
     talk.note(scene.notes)
     cameras = orbit_cameras(
         scene,

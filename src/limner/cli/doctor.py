@@ -6,24 +6,22 @@ from typing import Any
 
 import click
 
-from .model import model_up
+from .model import model_up, open_model
+from .options import as_json, environment, renderer, samples
+from .surroundings import surrounded
 from .talk import Talk, flattened
 from .voice import voice
 
 __all__ = ["doctor"]
 
-_MAX_SAMPLES = 1 << 20
-
 
 @click.command(short_help="Tell why a picture is black, empty, dark, noisy, faceted or inside out, and what to do.")
 @click.argument("model")
-@click.option(
-    "--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="By which it is to be seen.",
-)  # fmt: skip
-@click.option("--samples", type=click.IntRange(1, _MAX_SAMPLES), help="Measure the noise that so many samples leave (path).")
-@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@renderer("By which it is to be seen.")
+@samples("Measure the noise that so many samples leave (path).")
+@environment
 @click.option("--no-picture", is_flag=True, help="Look at the description only: draw nothing.")
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@as_json()
 @model_up
 @voice
 @click.pass_obj
@@ -38,13 +36,9 @@ def doctor(talk: Talk, /, **options: Any) -> None:
     The exit code is 0 whatever is found.
     """
     from ..explain.doctor import doctor as examine
-    from .model import open_model
 
     scene = open_model(options["model"])
-    if options["environment"] is not None:
-        from ..scene.environment import Environment
-
-        scene = scene.replace(environment=Environment(options["environment"]))
+    scene = surrounded(scene, options["environment"])
     found = examine(scene, renderer=options["renderer"], samples=options["samples"], picture=not options["no_picture"])
     if options["as_json"]:
         import json

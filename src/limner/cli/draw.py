@@ -9,19 +9,20 @@ import click
 
 from ..errors import LimnerError
 from .bar import Bar
-from .model import open_model
-from .render import Sight, chosen_camera
+from .model import model_up, numbered, open_model
+from .options import as_json, check_paper, check_size, crease, paper, sight, size, threads
+from .sight import Sight, check_camera, chosen_camera
+from .styles import LINE_STYLES
 from .talk import Talk
-from .values import Background, Triple
+from .values import WORDS, Background, Triple
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..produce.drawing import Plate
 
-__all__ = ["KINDS", "LINE_STYLES", "PICTURE_STYLES", "Order", "PictureOrder", "check_output", "draw_picture", "make_drawing"]
+__all__ = ["KINDS", "PictureOrder", "draw", "draw_picture"]
 
 KINDS = ("silhouette", "smooth_silhouette", "crease", "boundary", "material", "uv_seam", "intersection", "suggestive_contour")
-LINE_STYLES = ("plain", "technical", "sketch", "xray", "chalk")
-PICTURE_STYLES = ("gooch", "toon", "xray")
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,6 @@ class Order:
     yfov: float | None
     background: Background
     dpi: float | None
-    model_up: str
     threads: int | None
     as_json: bool
 
@@ -73,17 +73,58 @@ class PictureOrder(Sight, Protocol):
     @property
     def animation(self) -> str | int | None: ...
     @property
-    def model_up(self) -> str: ...
-    @property
     def background(self) -> Background | None: ...
     @property
     def as_json(self) -> bool: ...
 
 
-def make_drawing(order: Order, talk: Talk) -> None:
+@click.command(short_help="Draw a model's outlines and creases, or a technical sheet: SVG, PDF, DXF, a picture.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="An .svg, .pdf or .dxf for vectors, or a picture file.")
+@click.option("--views", type=WORDS, help="Make a sheet of: front, back, left, right, top, bottom, iso, iso-left.")
+@click.option("--projection", type=click.Choice(["first", "third"]), default="first", show_default=True, help="Angle.")
+@click.option("--paper", metavar="SIZE", default="A3", show_default=True, help="Of a sheet: A4 to A0, A4-portrait, A3-portrait.")
+@click.option("--scale", metavar="1:N", help="1:2, 5:1, …  [default: of a sheet the largest that fits]")
+@click.option("--unit", type=click.Choice(["m", "cm", "mm", "in"]), default="m", show_default=True, help="Of the model's coordinates.")
+@click.option("--dimensions", is_flag=True, help="Measure the box round the model, on a sheet.")
+@click.option("--title", help="[default: the model's file]")
+@click.option("--date", default="", help="In the title block, as it is to stand there.")
+@click.option("--style", type=click.Choice(LINE_STYLES), help="[default: technical on a sheet, else plain]")
+@click.option("--kinds", type=WORDS, help=f"Which lines, of: {', '.join(KINDS)}.")
+@crease("By how much a surface turns at a crease, degrees.")
+@click.option("--tone", type=click.Choice(["hatching", "stippling"]), help="Show light and shade by strokes or dots.")
+@click.option("--fill", is_flag=True, help="Fill what is seen of each shape with its colour, as areas under the lines.")
+@size(800, 600)
+@sight
+@paper
+@click.option("--dpi", type=click.FloatRange(1.0, 4800.0), help="Of a picture.  [default: 150 of a sheet, else 96]")
+@model_up
+@threads("Of --tone and --fill.  [default: all cores]")
+@as_json("Tell about the drawing as JSON on standard output.")
+@voice
+@click.pass_obj
+def draw(talk: Talk, /, **options: Any) -> None:
+    """Draw the lines of MODEL: outlines, creases, borders, and where shapes meet.
+
+    \b
+        limner draw part.glb -o part.svg
+        limner draw part.glb -o part.png --style sketch --tone hatching
+        limner draw part.stl -o sheet.pdf --views front,top,right,iso --unit mm --dimensions         a technical drawing
+        limner draw part.stl -o sheet.dxf --views front,right --projection third --paper A2 --scale 1:2
+    """
+    order = Order(**options)
+    check_paper(order.background)
+    if order.views is not None and (order.tone is not None or order.fill or order.camera is not None or order.eye is not None):
+        raise click.UsageError("a sheet has cameras of its own and lines only: --views excludes --tone, --fill, --camera and --eye")
+    check_size(order.width, order.height)
+    check_camera(order)
+    _make_drawing(order, talk)
+
+
+def _make_drawing(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     check_output(order.output)
-    scene = open_model(order.model, order.model_up)
+    scene = open_model(order.model)
     talk.note(scene.notes)
     wanted: dict[str, Any] = {"crease_degrees": order.crease}
     if order.kinds is not None:
@@ -114,16 +155,15 @@ def make_drawing(order: Order, talk: Talk) -> None:
 def draw_picture(order: PictureOrder, talk: Talk) -> None:
     """Fulfil what `limner render --renderer lines` asks for."""
     check_output(order.output)
-    scene = open_model(order.model, order.model_up, order.scene)
+    scene = open_model(order.model, scene=order.scene)
     if order.variant is not None:
         from ..scene.variants import with_variant
 
         scene = with_variant(scene, order.variant)
     if order.time is not None or order.animation is not None:
         from ..scene.pose import at
-        from .animate import chosen_animation
 
-        scene = at(scene, order.time or 0.0, chosen_animation(order.animation))
+        scene = at(scene, order.time or 0.0, numbered(order.animation))
     talk.note(scene.notes)
     from ..produce.drawing import drawing
 

@@ -7,20 +7,20 @@ from typing import Any
 
 import click
 
-from .model import model_up
+from .model import model_up, open_model
+from .options import MAX_SIDE, environment, max_depth, renderer, samples, seed, sight
+from .sight import check_camera, chosen_camera
+from .surroundings import surrounded
 from .talk import Talk
-from .values import TRIPLE, Triple
+from .values import Triple
 from .voice import voice
 
 __all__ = ["explain"]
 
-_MAX_SIDE = 32768
-_MAX_SAMPLES = 1 << 20
-
 
 @dataclass(frozen=True)
 class _Order:
-    """What the command line says about the camera; see `cli.render.Sight`."""
+    """What the command line says about the camera; see `cli.sight.Sight`."""
 
     model: str
     width: int
@@ -61,19 +61,15 @@ class _SampleType(click.ParamType["int | str"]):
 @click.argument("model")
 @click.option("--pixel", type=_PixelType(), required=True, metavar="X,Y", help="Column and row, from 0 at the top left.")
 @click.option("-o", "--output", metavar="FILE", help=".html (with pictures), .json or .txt.  [default: text on standard output]")
-@click.option("--renderer", type=click.Choice(["raster", "ray", "path"]), default="raster", show_default=True, help="How to see.")
-@click.option("--width", type=click.IntRange(1, _MAX_SIDE), default=800, show_default=True, help="Columns of the picture.")
-@click.option("--height", type=click.IntRange(1, _MAX_SIDE), default=600, show_default=True, help="Rows of the picture.")
-@click.option("--samples", type=click.IntRange(1, _MAX_SAMPLES), help="Samples in each pixel.  [default: the renderer's]")
+@renderer()
+@click.option("--width", type=click.IntRange(1, MAX_SIDE), default=800, show_default=True, help="Columns of the picture.")
+@click.option("--height", type=click.IntRange(1, MAX_SIDE), default=600, show_default=True, help="Rows of the picture.")
+@samples()
 @click.option("--sample", type=_SampleType(), metavar="N|all", help="Which of them is told of.  [default: raster all, else a typical one]")
-@click.option("--seed", type=click.IntRange(0, (1 << 31) - 1), default=0, show_default=True, help="What random numbers begin with.")
-@click.option("--max-depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="How often light is reflected at most.")
-@click.option("--camera", metavar="NAME|INDEX|frame", help="A camera of the model, by name or number from 0; frame: one that shows all.")
-@click.option("--eye", type=TRIPLE, help="Where the eye stands, instead of a camera of the model.")
-@click.option("--target", type=TRIPLE, help="What it looks at.  [default: the middle of the model]")
-@click.option("--up", type=TRIPLE, help="What is held upright.  [default: 0,1,0]")
-@click.option("--yfov", type=click.FloatRange(0.0, 180.0, min_open=True, max_open=True), metavar="DEG", help="[default: 40]")
-@click.option("--environment", metavar="FILE", help="A sky to light the scene with (.hdr, .exr), equirectangular.")
+@seed()
+@max_depth
+@sight
+@environment
 @click.option("--levels", type=click.IntRange(0, 1000), metavar="N", help="How deep the tree is shown as text.  [default: to its leaves]")
 @model_up
 @voice
@@ -88,18 +84,14 @@ def explain(talk: Talk, /, **options: Any) -> None:
 
     The options are those of `limner render` with which the picture was made.
     """
+    order = _Order(**{name: options[name] for name in _Order.__dataclass_fields__})
     _check(options)
+    check_camera(order)
     from ..explain.explain import explain as tell
-    from .model import open_model
-    from .render import chosen_camera
 
     scene = open_model(options["model"])
     talk.note(scene.notes)
-    if options["environment"] is not None:
-        from ..scene.environment import Environment
-
-        scene = scene.replace(environment=Environment(options["environment"]))
-    order = _Order(**{name: options[name] for name in _Order.__dataclass_fields__})
+    scene = surrounded(scene, options["environment"])
     asked = {name: options[name] for name in ("renderer", "width", "height", "samples", "seed", "max_depth")}
     x, y = options["pixel"]
     told = tell(scene, x, y, camera=chosen_camera(order, scene), sample=options["sample"], **asked)
@@ -116,11 +108,6 @@ def _check(options: dict[str, Any]) -> None:
     x, y = options["pixel"]
     if not (0 <= x < options["width"] and 0 <= y < options["height"]):
         raise click.UsageError(f"--pixel {x},{y} is not in a picture of {options['width']} x {options['height']}")
-    if options["camera"] is not None and options["eye"] is not None:
-        raise click.UsageError("--camera and --eye exclude each other")
-    for name in ("target", "up", "yfov"):
-        if options[name] is not None and options["eye"] is None:
-            raise click.UsageError(f"--{name} needs --eye")
     output = options["output"]
     if output is not None and not output.lower().endswith((".html", ".json", ".txt")):
         raise click.UsageError(f"-o must end in .html, .json or .txt, got {output!r}")

@@ -8,20 +8,35 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .model import open_model, report_of_model
+from .model import model_up, open_model, report_of_model
+from .options import as_json, report
 from .talk import Talk, flattened
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..mesh.mesh import Mesh
     from ..scene.scene import Scene
     from ..scene.texture import Texels
 
-__all__ = ["describe", "tell"]
+__all__ = ["describe", "info"]
 
 _SHOWN = 20  # of a long list
 
 
-def tell(model: str, as_json: bool, talk: Talk, report: bool = False) -> None:
+@click.command(short_help="Tell what is in a model, and what is wrong with it.")
+@click.argument("model")
+@report
+@as_json()
+@model_up
+@voice
+@click.pass_obj
+def info(talk: Talk, model: str, report: bool, as_json: bool) -> None:
+    """Tell what is in MODEL, and what is wrong with it."""
+
+    _tell(model, as_json, talk, report)
+
+
+def _tell(model: str, as_json: bool, talk: Talk, report: bool = False) -> None:
     """Write about `model` on standard output; with `report`, what became of each part of its file, too."""
     told_of_file = report_of_model(model) if report else None
     told = describe(open_model(model) if told_of_file is None else told_of_file.scene)

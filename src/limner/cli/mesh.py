@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .model import model_up, open_model
+from .options import as_json
 from .talk import Talk, flattened
 from .voice import voice
 
@@ -53,7 +54,7 @@ def mesh() -> None:
     help="Take vertices at most D metres apart for one; 0: those in one place, as texture seams split them.",
 )  # fmt: skip
 @click.option("--closed", is_flag=True, help="Ask for closed surfaces, too.")
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@as_json()
 @model_up
 @voice
 @click.pass_obj
@@ -96,7 +97,7 @@ def check(talk: Talk, model: str, weld: float | None, closed: bool, as_json: boo
 
 @mesh.command(short_help="Measure the meshes of a model.")
 @click.argument("model")
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@as_json()
 @model_up
 @voice
 @click.pass_obj
@@ -125,7 +126,7 @@ def info(talk: Talk, model: str, as_json: bool) -> None:
 @click.option("--max-hole", type=click.IntRange(3), metavar="N", help="Close holes of at most N edges.")
 @click.option("--split", is_flag=True, help="Cut surfaces apart where they are no manifold.")
 @click.option("--no-orient", is_flag=True, help="Turn no triangles over.")
-@click.option("--json", "as_json", is_flag=True, help="Tell what was done as JSON on standard output.")
+@as_json("Tell what was done as JSON on standard output.")
 @model_up
 @voice
 @click.pass_obj

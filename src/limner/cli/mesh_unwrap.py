@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from .destination import check_canvas, put_canvas
 from .model import model_up, open_model
+from .options import as_json
 from .talk import Talk, flattened
 from .voice import voice
 
@@ -53,7 +54,7 @@ class Order:
 )  # fmt: skip
 @click.option("--margin", type=click.IntRange(0), default=2, show_default=True, help="Texels between any two charts.")
 @click.option("--report", is_flag=True, help="Tell how much is distorted, how well the square is filled.")
-@click.option("--json", "as_json", is_flag=True, help="The same as JSON.")
+@as_json("The same as JSON.")
 @click.option("--chart", metavar="PICTURE", help="Draw the charts, too (.png, .svg, …); of several meshes each gets a number.")
 @click.option(
     "--show", type=click.Choice(["conformal", "area", "stretch"]), default="conformal", show_default=True,
@@ -80,7 +81,8 @@ def _unwrap(order: Order, talk: Talk) -> None:
     from ..errors import SceneError
     from ..scene.meshes import meshes_of, with_meshes
 
-    _check_chart(order.chart)
+    if order.chart is not None:
+        check_canvas(order.chart)
     scene = open_model(order.model)
     found = meshes_of(scene)
     if not found:
@@ -127,26 +129,6 @@ def _report(order: Order, made: dict[str, Mesh], talk: Talk) -> None:
             click.echo(f"  {line}")
 
 
-def _check_chart(chart: str | None) -> None:
-    """Refuse a picture that cannot be written before anything is computed for it."""
-    if chart is None:
-        return
-    from ..errors import LimnerError, UnsupportedError
-    from ..image.save import check_destination
-
-    try:
-        # The same questions of its folder as for any picture
-        check_destination(f"{chart[:-4]}.png" if _is_svg(chart) and not Path(chart).is_dir() else chart)
-    except UnsupportedError as error:
-        raise click.UsageError(f"{error}, or .svg") from error
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
-
-
-def _is_svg(name: str) -> bool:
-    return Path(name).suffix.lower() == ".svg"
-
-
 def _chart_names(chart: str, count: int) -> list[str]:
     if count == 1:
         return [chart]
@@ -158,9 +140,4 @@ def _draw(mesh: Mesh, name: str, order: Order) -> None:
     from ..produce.uv_chart import uv_chart
 
     canvas = uv_chart(mesh, show=order.show, size=max(order.resolution, 64))
-    if _is_svg(name):
-        from ..produce.folder import put
-
-        put(Path(os.path.realpath(name)), canvas.svg().encode())
-    else:
-        canvas.image().save(name)
+    put_canvas(canvas, name, Path(name).suffix.lower() == ".svg")

@@ -64,9 +64,9 @@ def report_of_model(name: str, up: str | None = None, scene: str | None = None) 
     return report_of(built_in, Notes(), name, "built-in")
 
 
-def numbered(word: str | None) -> str | int | None:
+def numbered(word: str | int | None) -> str | int | None:
     """The number that a word is, else the name."""
-    return int(word) if word is not None and word.isdecimal() else word
+    return int(word) if isinstance(word, str) and word.isdecimal() else word
 
 
 def _built_in(name: str) -> Scene | None:

@@ -1,51 +1,22 @@
-"""`limner render`: look before the work begins, make the picture, save what there is, tell about it."""
+"""`limner render`: what may be said of a picture, and what does not go together."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 import click
 
-from ..errors import LimnerError, SceneError
-from .animate import chosen_animation
-from .bar import Bar
-from .main import INTERRUPTED
-from .model import open_model, report_of_model
+from .model import model_up
+from .options import as_json, background, check_size, environment, max_depth, report, samples, seed, sight, size, threads, weights
+from .screen import screen
+from .sight import check_camera
+from .styles import LINE_STYLES, PICTURE_STYLES
 from .talk import Talk
-from .values import Background, Triple
+from .values import INTERVAL, WORDS, Background, Triple
+from .voice import voice
 
-if TYPE_CHECKING:
-    from ..draw.color_bar import ColorBar
-    from ..files.report import LoadReport
-    from ..image.image import Image
-    from ..scene.camera import Camera
-    from ..scene.scene import Scene
-
-__all__ = ["Order", "Sight", "chosen_camera", "make_picture"]
-
-
-class Sight(Protocol):
-    """What a command line says about the camera."""
-
-    @property
-    def model(self) -> str: ...
-    @property
-    def width(self) -> int: ...
-    @property
-    def height(self) -> int: ...
-    @property
-    def camera(self) -> str | None: ...
-    @property
-    def eye(self) -> Triple | None: ...
-    @property
-    def target(self) -> Triple | None: ...
-    @property
-    def up(self) -> Triple | None: ...
-    @property
-    def yfov(self) -> float | None: ...
+__all__ = ["Order", "render"]
 
 
 @dataclass(frozen=True)
@@ -85,7 +56,6 @@ class Order:
     aovs: tuple[str, ...]
     environment: str | None
     ground: bool
-    model_up: str
     scalars: str | None
     color_map: str
     scalar_range: tuple[float, float] | None
@@ -107,222 +77,157 @@ class Order:
     resume: bool = False
 
 
-def make_picture(order: Order, talk: Talk) -> None:
-    """Fulfil `order`."""
-    if order.renderer == "lines":
-        from .draw import draw_picture
+@click.command(short_help="Make a picture of a model.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="The picture file; - is standard output.")
+@click.option(
+    "--renderer", type=click.Choice(["raster", "ray", "path", "lines"]), default="raster", show_default=True,
+    help="How to see; lines: a drawing, to .svg, .pdf or .dxf, too.",
+)  # fmt: skip
+@click.option(
+    "--style", type=click.Choice(list(dict.fromkeys([*PICTURE_STYLES, *LINE_STYLES]))),
+    help="Explain rather than imitate: gooch, toon, xray (raster, ray); plain, technical, sketch, xray, chalk (lines).",
+)  # fmt: skip
+@click.option("--lines", is_flag=True, help="Draw outlines and creases over the picture (raster, ray, path).")
+@size(800, 600)
+@samples()
+@seed()
+@click.option(
+    "--antialiasing", type=click.Choice(["multisample", "supersample"]), default="multisample", show_default=True,
+    help="Shade once what covers several samples of a pixel, or every sample (raster).",
+)  # fmt: skip
+@click.option("--shadows/--no-shadows", default=None, help="Whether lights can be hidden.  [default: not by raster]")
+@click.option(
+    "--shading", type=click.Choice(["fragment", "vertex", "flat"]), default="fragment", show_default=True,
+    help="Where colours are computed (raster).",
+)  # fmt: skip
+@click.option(
+    "--hidden-surfaces", type=click.Choice(["zbuffer", "painter"]), default="zbuffer", show_default=True,
+    help="How what is in front is found (raster).",
+)  # fmt: skip
+@click.option(
+    "--clipping", type=click.Choice(["homogeneous", "world"]), default="homogeneous", show_default=True,
+    help="After the projection, or before it (raster).",
+)  # fmt: skip
+@click.option(
+    "--culling", type=click.Choice(["material", "back", "front", "none"]), default="material", show_default=True,
+    help="Which sides are left out (raster).",
+)  # fmt: skip
+@weights("box", "How the samples around a pixel are weighed (raster).")
+@max_depth
+@click.option(
+    "--sampler", type=click.Choice(["regular", "random", "jittered", "multijittered", "halton", "sobol"]),
+    help="How samples are spread (ray, path).  [default: the renderer's]",
+)  # fmt: skip
+@click.option("--noise", type=click.FloatRange(min=0.0, min_open=True), help="Go on until the error is this part of the light (path).")
+@click.option(
+    "--time-limit", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="Stop after so long, and tell how many samples that were (path).",
+)  # fmt: skip
+@click.option(
+    "--snapshots", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="Save the picture so far so often, and beside it what --resume needs (path).",
+)  # fmt: skip
+@click.option("--resume", is_flag=True, help="Go on from what --snapshots left of a picture that was killed or out of time (path).")
+@click.option("--glossy", is_flag=True, help="Follow what rough mirrors reflect by rays (ray; path does anyway).")
+@click.option("--emitters", is_flag=True, help="Let surfaces that shine light others (ray; path does anyway).")
+@sight
+@click.option("--aperture", type=click.FloatRange(0.0), metavar="R", help="Radius of the lens (ray, path).  [default: the camera's]")
+@click.option(
+    "--focus", type=click.FloatRange(0.0, min_open=True), metavar="D",
+    help="Distance at which things are sharp, along the gaze.  [default: that of the target]",
+)  # fmt: skip
+@click.option("--scene", metavar="NAME|INDEX", help="Which of several scenes of the file.  [default: the file's own choice]")
+@click.option("--variant", metavar="NAME", help="Which of the model's variants.  [default: none]")
+@click.option("--time", type=float, metavar="S", help="The moment of the animation, seconds.  [default: what no animation has moved]")
+@click.option("--animation", metavar="NAME|INDEX|all", help="Which animation; all: all at once.  [default: the first]")
+@click.option(
+    "--shutter", type=INTERVAL, metavar="S,S", help="When the shutter opens and closes, seconds: what moves is blurred (ray, path).",
+)  # fmt: skip
+@click.option("--aov", "aovs", type=WORDS, default="", help="What to keep beside the picture (.exr): depth, normal, albedo, …")
+@click.option(
+    "--denoise", type=click.Choice(["filter", "oidn"]),
+    help="Take the noise out (ray, path): our filter, or Open Image Denoise (extra denoise).  [default: it stays]",
+)  # fmt: skip
+@environment
+@click.option("--ground", is_flag=True, help="Put a ground under the model that shows its shadow.")
+@model_up
+@click.option("--scalars", metavar="NAME", help="Colour by the numbers of that name (PLY properties, glTF _NAME), with a key.")
+@click.option("--color-map", metavar="MAP", default="viridis", show_default=True, help="How numbers become colours: cividis, cool_warm, …")
+@click.option("--scalar-range", type=INTERVAL, metavar="LOW,HIGH", help="What the ends of the map stand for.  [default: all there is]")
+@click.option(
+    "--point-size", type=click.FloatRange(0.0, min_open=True), metavar="R",
+    help="Radius of the points of clouds.  [default: from their spacing]",
+)  # fmt: skip
+@background
+@click.option("--transparent", is_flag=True, help="The same as --background transparent.")
+@click.option(
+    "--color-space", default="srgb", show_default=True, metavar="SPACE", help="Whose numbers are written: display_p3, rec2020, acescg, …",
+)  # fmt: skip
+@threads()
+@report
+@as_json("Tell about the picture as JSON on standard output.")
+@screen
+@voice
+@click.pass_context
+def render(context: click.Context, /, **options: Any) -> None:
+    """Make a picture of MODEL.
 
-        draw_picture(order, talk)
-        return
-    _check_output(order)
-    started = time.perf_counter()
-    report = report_of_model(order.model, order.model_up, order.scene) if order.report else None
-    scene, key = _by_numbers(order, open_model(order.model, order.model_up, order.scene) if report is None else report.scene)
-    if order.variant is not None:
-        from ..scene.variants import with_variant
+    \b
+        limner render teapot -o teapot.png
+        limner render model.glb -o model.exr --aov depth,normal --width 1920 --height 1080
+        limner render model.glb -o view.png --eye 3,2,4 --target 0,1,0 --yfov 35 --background white
+        limner render teapot -o blurred.png --renderer ray --samples 64 --aperture 0.1 --focus 5
+        limner render model.glb -o lines.svg --renderer lines --style technical
+        limner render model.glb -o tinted.png --style gooch --lines
 
-        scene = with_variant(scene, order.variant)
-    if order.environment is not None:
-        from ..scene.environment import Environment
+    What a scene file, or one of Mitsuba, says about its picture counts unless the command line says otherwise. Ctrl-C stops early and
+    saves the picture so far.
+    """
+    from .picture import make_picture
 
-        scene = scene.replace(environment=Environment(order.environment))
-    if order.background is not None:
-        scene = scene.replace(background=None if order.background == "transparent" else order.background)
-    camera = _with_lens(order, scene, chosen_camera(order, scene))
-    if order.ground:
-        scene = scene.with_ground()
-    if report is None:
-        talk.note(scene.notes)
+    talk = context.find_object(Talk)
+    assert talk is not None
+    further = _settings_of_file(context, options)
+    background = _one_background(options.pop("background"), options.pop("transparent"))
+    order = Order(background=background, further=further, **options)
+    check_size(order.width, order.height)
+    check_camera(order)
+    if order.output == "-" and order.as_json:
+        raise click.UsageError("--json and -o - both want standard output")
+    _check_style(order.renderer, order.style)
+    if order.renderer == "lines" and (order.aovs or order.lines):
+        raise click.UsageError(f"--renderer lines draws lines and nothing else: leave out {'--aov' if order.aovs else '--lines'}")
+    make_picture(order, talk)
+
+
+def _check_style(renderer: str, style: str | None) -> None:
+    known = LINE_STYLES if renderer == "lines" else PICTURE_STYLES
+    if style is not None and style not in known:
+        raise click.UsageError(f"--style {style} is not one of --renderer {renderer}, which has {', '.join(known)}")
+
+
+def _settings_of_file(context: click.Context, options: dict[str, Any]) -> dict[str, Any]:
+    """Put the settings of a scene file, or of a Mitsuba scene, in the place of defaults; return those for which there is no option."""
+    model = options["model"]
+    if model.lower().endswith((".yaml", ".yml", ".limner")):
+        from ..files.scene_file import settings_of
+    elif model.lower().endswith(".xml"):
+        from ..files.mitsuba import settings_of
     else:
-        for line in report.lines():
-            talk.say("report", line)
-    loaded = time.perf_counter()
-
-    make, styled = _maker(order)
-    with Bar(enabled=not talk.quiet) as bar:
-        image = make(
-            scene,
-            width=order.width,
-            height=order.height,
-            renderer=order.renderer,
-            samples=order.samples,
-            seed=order.seed,
-            max_depth=order.max_depth,
-            sampler=order.sampler,
-            glossy=order.glossy,
-            emitters=order.emitters,
-            antialiasing=order.antialiasing,
-            shadows=order.shadows,
-            shading=order.shading,
-            hidden_surfaces=order.hidden_surfaces,
-            clipping=order.clipping,
-            culling=order.culling,
-            filter=order.filter,
-            camera=camera,
-            time=order.time,
-            animation=chosen_animation(order.animation),
-            shutter=order.shutter,
-            threads=order.threads,
-            aovs=order.aovs,
-            denoise=order.denoise,
-            on_progress=bar,
-            **styled,
-            **_budget(order),
-            **order.further,
-        )
-    rendered = time.perf_counter()
-    talk.warn(image.warnings)
-    if not styled:
-        image = _with_origin(image, order)
-    if key is not None:
-        from ..draw.color_bar import with_color_bar
-
-        image = with_color_bar(image, key)
-    image.save(order.output, view=order.view, exposure=order.exposure, color_space=order.color_space)
-    saved = time.perf_counter()
-
-    seconds = {"load": loaded - started, "render": rendered - loaded, "save": saved - rendered}
-    talk.detail(", ".join(f"{step} {spent:.3f} s" for step, spent in seconds.items()))
-    if order.time_limit is not None and image.finished:
-        talk.say("samples", f"{image.recipe['samples']}; --samples {image.recipe['samples']} makes the same picture again")
-    if not image.finished:
-        talk.say("interrupted", f"the picture so far is in {order.output}")
-        talk.code = INTERRUPTED
-    if order.as_json:
-        _tell(order, scene, image, seconds, report)
+        return {}
+    further = {}
+    for name, value in settings_of(model).items():
+        if name not in options:
+            further[name] = value
+        elif context.get_parameter_source(name) is click.core.ParameterSource.DEFAULT:
+            options[name] = value
+    if options["renderer"] != "raster" and context.get_parameter_source("filter") is click.core.ParameterSource.DEFAULT:
+        options["filter"] = "box"  # what a file says of another renderer's filter
+    return further
 
 
-def _maker(order: Order) -> tuple[Callable[..., Image], dict[str, Any]]:
-    """What makes the picture, and what it is told beside what every picture is told."""
-    from ..render import render
-
-    if order.style is None and not order.lines:
-        return render, {}
-    from ..produce.stylized import stylized
-
-    return stylized, {"style": order.style, "lines": order.lines}
-
-
-def _budget(order: Order) -> dict[str, Any]:
-    """What `limner.render` is told of when to stop, and of what to keep meanwhile."""
-    told: dict[str, Any] = {"noise": order.noise, "time_limit": order.time_limit}
-    if order.snapshots is None and not order.resume:
-        return told
-    if order.output == "-":
-        raise click.UsageError("--snapshots and --resume need a file to write to, got -o -")
-    told |= {"checkpoint": f"{order.output}.checkpoint", "resume": order.resume}
-    if order.snapshots is not None:
-        told |= {"checkpoint_seconds": order.snapshots, "on_snapshot": lambda image: image.save(order.output)}
-    return told
-
-
-def _by_numbers(order: Order, scene: Scene) -> tuple[Scene, ColorBar | None]:
-    """The scene with its points as large, and by the numbers, as the command line asks; and the key to their colours."""
-    if order.scalars is None and order.point_size is None:
-        return scene, None
-    from ..produce.scalars import colored, with_point_size
-
-    if order.point_size is not None:
-        scene = with_point_size(scene, order.point_size)
-    return (scene, None) if order.scalars is None else colored(scene, order.scalars, order.color_map, order.scalar_range)
-
-
-def _with_origin(image: Image, order: Order) -> Image:
-    """Let the recipe say where the model is: `limner verify` needs no more."""
-    from dataclasses import replace
-
-    from ..image.recipe import Recipe
-    from ..produce.again import origin
-
-    if order.model_up != "y" or order.scalars is not None or order.point_size is not None:
-        return image  # a recipe does not say these: of what model the picture is has to be named then
-    told = origin(
-        order.model, order.output, environment=order.environment, ground=order.ground, background=order.background
-    )
-    recipe = image.recipe if isinstance(image.recipe, Recipe) else Recipe(image.recipe)
-    return replace(image, recipe=recipe.with_values(**told))
-
-
-def chosen_camera(order: Sight, scene: Scene) -> Camera | None:
-    """The camera that the command line means; None: it does not say."""
-    if order.eye is not None:
-        from ..scene.camera import PerspectiveCamera
-
-        target = _middle(scene) if order.target is None else order.target
-        fields = {} if order.yfov is None else {"yfov_degrees": order.yfov}
-        return PerspectiveCamera.look_at(order.eye, target, order.up or (0.0, 1.0, 0.0), **fields)
-    if order.camera is None:
-        return None
-    if order.camera == "frame":
-        from ..scene.framing import extent_points, framing_camera
-
-        return framing_camera(extent_points(scene), order.width / order.height)
-    cameras = scene.cameras()
-    named = [camera for camera in cameras if camera.name == order.camera]
-    if named:
-        return named[0]
-    if order.camera.isdecimal() and int(order.camera) < len(cameras):
-        return cameras[int(order.camera)]
-    known = ", ".join(f"{index} {camera.name!r}" for index, camera in enumerate(cameras)) or "none"
-    raise SceneError(f"there is no camera {order.camera!r} in {order.model}; it has: {known}")
-
-
-def _with_lens(order: Order, scene: Scene, camera: Camera | None) -> Camera | None:
-    """The camera with the lens that the command line asks for, in focus at what it looks at unless that is said, too."""
-    if order.aperture is None and order.focus is None:
-        return camera
-    from ..scene.camera import PerspectiveCamera
-    from ..scene.framing import with_defaults
-
-    chosen = camera or with_defaults(scene, order.width / order.height)[0].camera
-    if not isinstance(chosen, PerspectiveCamera):
-        raise SceneError("a camera with parallel projection has no lens: leave out --aperture and --focus")
-    distance = order.focus
-    if distance is None:
-        x, y, z = _middle(scene) if order.target is None else order.target
-        to_target = chosen.world_from_camera[:3, 3] - (x, y, z)
-        distance = float(to_target @ chosen.world_from_camera[:3, 2])
-    aperture = chosen.aperture_radius if order.aperture is None else order.aperture
-    return chosen.replace(aperture_radius=aperture, focus_distance=distance)
-
-
-def _middle(scene: Scene) -> Triple:
-    low, high = scene.bounds()
-    x, y, z = (float(value) for value in (low + high) / 2.0) if (low <= high).all() else (0.0, 0.0, 0.0)
-    return x, y, z
-
-
-def _check_output(order: Order) -> None:
-    """Refuse an output that cannot be written before anything is computed for it."""
-    from ..image.save import check_destination, keeps_aovs
-
-    try:
-        check_destination(order.output, view=order.view, exposure=order.exposure, color_space=order.color_space)
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
-    if order.aovs and not keeps_aovs(order.output):
-        raise click.UsageError(f"--aov needs an output that can hold more than a picture (.exr), got {order.output}")
-    if order.output == "-":
-        import sys
-
-        if sys.stdout.isatty():
-            raise click.UsageError("-o - would write a PNG to the terminal; send it to a file or a pipe")
-
-
-def _tell(order: Order, scene: Scene, image: Image, seconds: dict[str, float], report: LoadReport | None) -> None:
-    import json
-
-    told: dict[str, Any] = {
-        "output": order.output,
-        "width": image.width,
-        "height": image.height,
-        "finished": image.finished,
-        "seconds": {step: round(spent, 6) for step, spent in seconds.items()},
-        "aovs": sorted(image.aov),
-        "id_names": {name: list(names) for name, names in image.id_names.items()},
-        "notes": list(scene.notes),
-        "warnings": list(image.warnings),
-        "recipe": dict(image.recipe),
-        **({} if report is None else {"report": report.as_dict()}),
-    }
-    click.echo(json.dumps(told, sort_keys=True))
+def _one_background(background: Background | None, transparent: bool) -> Background | None:
+    if transparent and background not in (None, "transparent"):
+        raise click.UsageError("--transparent and --background say different things")
+    return "transparent" if transparent else background

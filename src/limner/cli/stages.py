@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
-from ..errors import LimnerError
 from .bar import Bar
-from .main import INTERRUPTED
-from .model import open_model
-from .render import chosen_camera
+from .model import model_up
+from .options import as_json, camera, check_outlets, place, threads
+from .sheets import close, model_of
+from .sight import check_camera, chosen_camera
 from .talk import Talk
 from .values import Triple
+from .voice import voice
 
-__all__ = ["Order", "make_stages"]
+__all__ = ["stages"]
 
 
 @dataclass(frozen=True)
@@ -36,17 +38,36 @@ class Order:
     as_json: bool
 
 
-def make_stages(order: Order, talk: Talk) -> None:
-    """Fulfil `order`."""
-    if order.output is not None:
-        from ..image.save import check_destination
+@click.command(short_help="Show what each stage of the graphics pipeline makes of a model, on one sheet.")
+@click.argument("model")
+@click.option("-o", "--output", metavar="OUT", help="The picture file; may be left out with --json.")
+@click.option("--width", type=click.IntRange(320, 1600), default=400, show_default=True, help="Of each panel, pixels.")
+@click.option("--height", type=click.IntRange(160, 1600), help="Of each panel.  [default: three quarters of the width]")
+@click.option("--samples", type=click.IntRange(2, 64), default=16, show_default=True, help="In each pixel of the finished picture.")
+@camera("A camera of the model, by name or number from 0.  [default: one that shows all]", "NAME|INDEX")
+@place
+@threads()
+@as_json("Tell the numbers as JSON on standard output.")
+@model_up
+@voice
+@click.pass_obj
+def stages(talk: Talk, /, **options: Any) -> None:
+    """Show what each stage of the graphics pipeline makes of MODEL: lines, clipping, coverage, depth, shading, texture, antialiasing.
 
-        try:
-            check_destination(order.output)
-        except LimnerError as error:
-            raise click.UsageError(str(error)) from error
-    scene = open_model(order.model)
-    talk.note(scene.notes)
+    \b
+        limner stages model.glb -o stages.png
+        limner stages teapot -o stages.png --json         vertices, triangles, fragments, pixels, overdraw, mipmap levels
+    """
+    height = options.pop("height") or round(0.75 * options["width"])
+    order = Order(height=height, **options)
+    check_outlets(order.output, order.as_json)
+    check_camera(order)
+    _make_stages(order, talk)
+
+
+def _make_stages(order: Order, talk: Talk) -> None:
+    """Fulfil `order`."""
+    scene = model_of(order, talk)
 
     from ..produce.stages import stages
 
@@ -61,15 +82,4 @@ def make_stages(order: Order, talk: Talk) -> None:
             threads=order.threads,
             on_progress=bar,
         )
-    talk.warn(sheet.facts["warnings"])
-    if not sheet.finished:
-        talk.say("interrupted", "nothing was written")
-        talk.code = INTERRUPTED
-        return
-    talk.note(sheet.facts["notes"])
-    if order.output is not None:
-        sheet.image.save(order.output)
-    if order.as_json:
-        import json
-
-        click.echo(json.dumps({"model": order.model, "output": order.output, **sheet.facts}, sort_keys=True))
+    close(order, sheet, talk)

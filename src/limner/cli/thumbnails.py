@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import LimnerError
 from .bar import Bar
+from .destination import check_picture
 from .main import FAILED, INTERRUPTED
-from .model import said_up
+from .model import model_up, said_up
+from .options import as_json, renderer, samples, threads
+from .screen import screen
 from .talk import Talk, flattened
-from .values import Background
+from .values import BACKGROUND, Background
+from .voice import voice
 
 if TYPE_CHECKING:
     from ..produce.thumbnails import Batch
 
-__all__ = ["Order", "make_thumbnails"]
+__all__ = ["thumbnails"]
 
 
 @dataclass(frozen=True)
@@ -39,17 +42,39 @@ class Order:
     exposure: float
 
 
-def make_thumbnails(order: Order, talk: Talk) -> None:
+@click.command(short_help="Make a picture of every model in a folder.")
+@click.argument("folder")
+@click.option("-o", "--output", required=True, metavar="FOLDER", help="For the pictures; is made where it is not there.")
+@click.option("--size", type=click.IntRange(16, 4096), default=256, show_default=True, help="Width and height, pixels.")
+@click.option("--recursive", is_flag=True, help="Look into sub-folders, too.")
+@click.option("--update", is_flag=True, help="Keep pictures that are newer than their models.")
+@click.option("--sheet", metavar="OUT", help="Put all of them on one contact sheet, too.")
+@renderer()
+@samples()
+@click.option("--background", type=BACKGROUND, help="transparent, black, white, gray, #RRGGBB (sRGB) or R,G,B (linear light).")
+@threads()
+@as_json("Tell what became of each model as JSON on standard output.")
+@screen
+@model_up
+@voice
+@click.pass_obj
+def thumbnails(talk: Talk, /, **options: Any) -> None:
+    """Make a picture of every model in FOLDER. One that fails is told of and does not stop the rest; the exit code is then 1.
+
+    \b
+        limner thumbnails models -o thumbs --recursive --update
+        limner thumbnails models -o thumbs --size 512 --sheet index.png
+    """
+
+    _make_thumbnails(Order(**options), talk)
+
+
+def _make_thumbnails(order: Order, talk: Talk) -> None:
     """Fulfil `order`: code 1 where a model failed, 130 where it was interrupted."""
     if order.background == "environment":
         raise click.UsageError("--background environment makes no sense here: models bring their own surroundings or none")
     if order.sheet is not None:
-        from ..image.save import check_destination
-
-        try:
-            check_destination(order.sheet)
-        except LimnerError as error:
-            raise click.UsageError(str(error)) from error
+        check_picture(order.sheet)
 
     from ..produce.thumbnails import index_sheet, thumbnails
 
@@ -60,11 +85,11 @@ def make_thumbnails(order: Order, talk: Talk) -> None:
             size=order.size,
             recursive=order.recursive,
             update=order.update,
-            up=said_up(),
             renderer=order.renderer,
             samples=order.samples,
             view=order.view,
             exposure=order.exposure,
+            up=said_up(),
             background=None if order.background == "transparent" else order.background,
             threads=order.threads,
             on_progress=bar,

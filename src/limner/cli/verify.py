@@ -7,14 +7,34 @@ import math
 import click
 
 from .bar import Bar
+from .options import as_json, threads
 from .talk import Talk, flattened
+from .voice import voice
 
 __all__ = ["verify"]
 
 _DIFFERENT = 1
 
 
-def verify(picture: str, model: str | None, threads: int | None, as_json: bool, talk: Talk) -> None:
+@click.command(short_help="Make a picture again from its recipe; do the bits agree?")
+@click.argument("picture")
+@click.option("--model", metavar="MODEL", help="What it is a picture of, where its recipe does not say or it has moved.")
+@threads()
+@as_json()
+@voice
+@click.pass_obj
+def verify(talk: Talk, picture: str, model: str | None, threads: int | None, as_json: bool) -> None:
+    """Make PICTURE again from the recipe in it, and say whether the bits agree: code 0 if so, 1 if not.
+
+    \b
+        limner verify teapot.png
+        limner verify old.exr --model ../models/car.glb
+    """
+
+    _verify(picture, model, threads, as_json, talk)
+
+
+def _verify(picture: str, model: str | None, threads: int | None, as_json: bool, talk: Talk) -> None:
     """Render again, compare, tell; the code is 1 where a bit differs."""
     from ..produce.again import verify as verified
 

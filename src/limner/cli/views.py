@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
-from ..errors import LimnerError
 from .bar import Bar
-from .main import INTERRUPTED
-from .model import open_model
+from .model import model_up
+from .options import as_json, check_outlets, renderer, samples, threads
+from .sheets import close, model_of
 from .talk import Talk
+from .voice import voice
 
-__all__ = ["Order", "make_views"]
+__all__ = ["views"]
 
 
 @dataclass(frozen=True)
@@ -31,17 +33,37 @@ class Order:
     as_json: bool
 
 
-def make_views(order: Order, talk: Talk) -> None:
-    """Fulfil `order`."""
-    if order.output is not None:
-        from ..image.save import check_destination
+@click.command(short_help="Show a model from all sides on one sheet, with axes, measures and facts.")
+@click.argument("model")
+@click.option("-o", "--output", metavar="OUT", help="The picture file; may be left out with --json.")
+@click.option("--size", type=click.IntRange(128, 2048), default=320, show_default=True, help="Side of each view, pixels.")
+@click.option(
+    "--projection", type=click.Choice(["orthographic", "perspective"]), default="orthographic", show_default=True,
+    help="Of the views along the axes: parallel and at one scale, or each from the nearest eye.",
+)  # fmt: skip
+@renderer()
+@samples()
+@click.option("--own-lights", is_flag=True, help="Light it with its own lights instead of one beside the camera.")
+@threads()
+@as_json("Tell the facts as JSON on standard output.")
+@model_up
+@voice
+@click.pass_obj
+def views(talk: Talk, /, **options: Any) -> None:
+    """Show MODEL from the front, right, back, left, top, bottom and a corner: one sheet with axes, measures and facts.
 
-        try:
-            check_destination(order.output)
-        except LimnerError as error:
-            raise click.UsageError(str(error)) from error
-    scene = open_model(order.model)
-    talk.note(scene.notes)
+    \b
+        limner views model.glb -o sheet.png
+        limner views model.glb -o sheet.png --json        bounds, counts, materials, what is seen in each view, warnings
+    """
+    order = Order(**options)
+    check_outlets(order.output, order.as_json)
+    _make_views(order, talk)
+
+
+def _make_views(order: Order, talk: Talk) -> None:
+    """Fulfil `order`."""
+    scene = model_of(order, talk)
 
     from ..produce.views import views
 
@@ -57,14 +79,4 @@ def make_views(order: Order, talk: Talk) -> None:
             threads=order.threads,
             on_progress=bar,
         )
-    talk.warn(sheet.facts["warnings"])
-    if not sheet.finished:
-        talk.say("interrupted", "nothing was written")
-        talk.code = INTERRUPTED
-        return
-    if order.output is not None:
-        sheet.image.save(order.output)
-    if order.as_json:
-        import json
-
-        click.echo(json.dumps({"model": order.model, "output": order.output, **sheet.facts}, sort_keys=True))
+    close(order, sheet, talk)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import click
 
-from ..errors import LimnerError, UnsupportedError
 from .bar import Bar
-from .model import open_model
-from .render import chosen_camera
+from .destination import check_canvas, put_canvas
+from .model import model_up, open_model
+from .options import check_paper, check_size, crease, paper, renderer, samples, sight, size, threads
+from .sight import check_camera, chosen_camera
 from .talk import Talk
 from .values import Background, Triple
+from .voice import voice
 
-__all__ = ["Order", "make_wireframe"]
+__all__ = ["wireframe"]
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,42 @@ class Order:
     threads: int | None
 
 
-def make_wireframe(order: Order, talk: Talk) -> None:
+@click.command(short_help="Draw a model as lines, hidden ones left out: a picture or SVG.")
+@click.argument("model")
+@click.option("-o", "--output", required=True, metavar="OUT", help="A picture file or .svg; - is a PNG on standard output.")
+@click.option("--edges", type=click.Choice(["all", "features"]), default="all", show_default=True, help="All, or outlines and creases.")
+@crease("With --edges features: by how much a surface turns at a crease, degrees.")
+@click.option("--color", default="black", show_default=True, metavar="COLOR", help="Of the lines: black, white, #RRGGBB or #RRGGBBAA.")
+@click.option("--line-width", type=click.FloatRange(0.0, 1000.0, min_open=True), default=1.0, show_default=True, help="Pixels.")
+@click.option("--hidden", metavar="COLOR", help="Draw the hidden lines, too, thinner and in this colour, such as #c8ccd2.")
+@click.option("--shaded", is_flag=True, help="Draw the lines over the shaded model.")
+@paper
+@size(800, 600)
+@sight
+@renderer("Of --shaded.")
+@samples("Of --shaded.  [default: the renderer's]")
+@threads()
+@model_up
+@voice
+@click.pass_obj
+def wireframe(talk: Talk, /, **options: Any) -> None:
+    """Draw MODEL as lines. What surfaces hide is left out, unless --hidden says how to draw it.
+
+    \b
+        limner wireframe part.glb -o part.png
+        limner wireframe part.stl -o part.svg --edges features --hidden "#c8ccd2"       a technical drawing
+        limner wireframe part.glb -o mesh.png --shaded --color "#00000080"              lines over the shaded model
+    """
+    order = Order(**options)
+    check_paper(order.background)
+    check_size(order.width, order.height)
+    check_camera(order)
+    _make_wireframe(order, talk)
+
+
+def _make_wireframe(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
-    as_svg = Path(order.output).suffix.lower() == ".svg"
-    _check_output(order.output, as_svg)
+    as_svg = check_canvas(order.output)
     scene = open_model(order.model)
     talk.note(scene.notes)
 
@@ -70,22 +103,4 @@ def make_wireframe(order: Order, talk: Talk) -> None:
             threads=order.threads,
             on_progress=bar,
         )
-    if as_svg:
-        from ..produce.folder import put
-
-        put(Path(os.path.realpath(order.output)), canvas.svg().encode())
-    else:
-        canvas.image().save(order.output)
-
-
-def _check_output(output: str, as_svg: bool) -> None:
-    """Refuse an output that cannot be written before anything is computed for it."""
-    from ..image.save import check_destination
-
-    try:
-        # The same questions of its folder as for any picture.
-        check_destination(f"{output[:-4]}.png" if as_svg and not Path(output).is_dir() else output)
-    except UnsupportedError as error:
-        raise click.UsageError(f"{error}, or .svg") from error
-    except LimnerError as error:
-        raise click.UsageError(str(error)) from error
+    put_canvas(canvas, order.output, as_svg)

@@ -71,7 +71,7 @@ CHAPTERS = (
     Chapter("shading.texture.sample_texture", "{texture} looked up", ("texture",)),
     Chapter("shading.texture.sample_place", "{texture} looked up at ({u}, {v})", ("texture",)),
     Chapter("shading.texture.place_in", "where in the texture", ("texture",), is_leaf=True),
-    Chapter("shading.texture._level_of_detail", "mipmap level", ("dudx", "dvdx", "dudy", "dvdy"), is_leaf=True),
+    Chapter("shading.texture.level_of_detail", "mipmap level", ("dudx", "dvdx", "dudy", "dvdy"), is_leaf=True),
     Chapter("shading.texture._trilinear", "between two mipmap levels", ("lod", "s", "t")),
     Chapter("shading.texture._in_two_levels", "between two mipmap levels", ("level", "b", "s", "t")),
     Chapter("shading.texture._bilinear", "four texels of level {level}", ("level", "s", "t")),

@@ -195,39 +195,24 @@ class i64x8(i32x8):  # noqa: N801
 
 
 if MODE == "compiled":
-    from ._lane_types import (
-        add_rows,
+    from ._lane_choice import (
         all_of,
         any_of,
-        at,
         count_set,
-        double,
         first_set,
-        four_bytes,
-        highest,
-        int32,
         lane,
         lanes_of,
-        load8,
-        long8,
-        lowest,
         mask_of,
-        prefetch,
-        put,
-        register,
-        single,
         splat8,
         splat8_int,
         spread,
-        store8,
-        store_rows,
-        store_words,
-        sum8,
-        to_float,
-        to_int,
         where,
         with_lane,
     )
+    from ._lane_gather import at, four_bytes, put
+    from ._lane_memory import add_rows, load8, prefetch, store8, store_rows, store_words
+    from ._lane_numbers import double, highest, int32, long8, lowest, single, sum8, to_float, to_int
+    from ._lane_operators import register
 
     register()
     max, min = builtins.max, builtins.min  # Numba knows them of lanes, too

@@ -23,18 +23,18 @@ from numpy.typing import NDArray
 from ..errors import SceneError, UnsupportedError
 from ..image.image import Image
 from ..linear.project import check_size
-from ..progress import Meter, OnProgress, Progress
+from ..progress import OnProgress
 from ..scene.camera import Camera
 from ..scene.framing import extent_points, framing_camera
 from ..scene.pose import animation_of, at
 from ..scene.scene import Scene
-from .clip import Clip, check_clip, write_clip
+from .clip import Clip, check_clip
+from .play import before_paper, played, written
 
 __all__ = ["animate", "camera_for_all", "frame_times", "write_animation"]
 
 MAX_FRAMES = 100_000
 _LOOKS = 24  # moments at which a camera for all is asked to see everything
-_ENCODING = 0.1  # of the work
 
 
 def animate(
@@ -95,35 +95,16 @@ def animate(
     if camera is None and scene.camera is None and not scene.cameras():
         camera = camera_for_all(scene, times, animation, width / height)
     renderer = Renderer(scene, width=width, height=height, **options)
-    return _play(renderer, times, animation, shutter / fps, camera, on_progress, cancel)
 
+    def prepare(index: int) -> Camera | None:
+        time = float(times[index])
+        if shutter > 0.0:
+            renderer.show(shutter=(time, time + shutter / fps), animation=animation)
+        else:
+            renderer.show(time=time, animation=animation)
+        return camera
 
-def _play(
-    renderer: Any,
-    times: NDArray[np.float64],
-    animation: str | int | None,
-    open_for: float,
-    camera: Camera | None,
-    on_progress: OnProgress | None,
-    cancel: threading.Event | None,
-) -> Iterator[Image]:
-    meter, n = Meter(on_progress, "animation"), len(times)
-    meter.report(0.0)
-    with renderer:
-        for index, time in enumerate(times.tolist()):
-
-            def report(progress: Progress, index: int = index) -> None:
-                meter.report(min((index + progress.done) / n, 1.0 - 1e-9))
-
-            if open_for > 0.0:
-                renderer.show(shutter=(time, time + open_for), animation=animation)
-            else:
-                renderer.show(time=time, animation=animation)
-            image = renderer.render(camera, on_progress=report, cancel=cancel)
-            yield image
-            if not image.finished:
-                return
-    meter.report(1.0)
+    return played(renderer, len(times), prepare, "animation", on_progress, cancel)
 
 
 def write_animation(
@@ -165,18 +146,12 @@ def write_animation(
 
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
     kind = check_clip(path, n_pictures=len(frame_times(scene, animation, fps, start, end)), fps=fps, quality=quality)
-    if scene.background is None and not kind.keeps_alpha and view == "standard" and exposure == 0.0:  # a bent white is none
-        scene = scene.replace(background=(1.0, 1.0, 1.0))
-    meter = Meter(on_progress, "animation")
+    shown = before_paper(scene, kind, view, exposure)
 
-    def rendering(progress: Progress) -> None:
-        meter.report((1.0 - _ENCODING) * progress.done)
+    def pictures(rendering: OnProgress) -> Iterator[Image]:
+        return animate(shown, animation=animation, fps=fps, start=start, end=end, on_progress=rendering, **options)
 
-    pictures = animate(scene, animation=animation, fps=fps, start=start, end=end, on_progress=rendering, **options)
-    clip = write_clip(pictures, path, fps=fps, quality=quality, view=view, exposure=exposure)
-    if clip.finished:
-        meter.report(1.0)
-    return clip
+    return written(pictures, path, "animation", on_progress, fps=fps, quality=quality, view=view, exposure=exposure)
 
 
 def frame_times(

@@ -20,7 +20,6 @@ The last picture is one step before the first, so the loop has no seam.
 from __future__ import annotations
 
 import dataclasses
-import gc
 import math
 import os
 import threading
@@ -34,13 +33,14 @@ from ..errors import SceneError, UnsupportedError
 from ..image.image import Image
 from ..linear import transform
 from ..linear.project import check_size
-from ..progress import Meter, OnProgress, Progress
+from ..progress import OnProgress
 from ..scene.camera import PerspectiveCamera
 from ..scene.environment import Environment
 from ..scene.framing import extent_points, with_defaults
 from ..scene.node import Node
 from ..scene.scene import Scene
-from .clip import Clip, check_clip, write_clip
+from .clip import Clip, check_clip
+from .play import before_paper, played, written
 
 __all__ = ["LIGHTS", "nearest_eye", "turntable", "turntable_cameras", "without_lights", "write_turntable"]
 
@@ -49,7 +49,6 @@ MAX_FRAMES = 100_000
 
 _MARGIN = 1.08  # of the picture's side to what touches it
 _LEAST_DISTANCE = 0.25  # from the eye to what is nearest, in extents
-_ENCODING = 0.1  # of the work
 
 Floats = NDArray[np.float64]
 
@@ -118,34 +117,14 @@ def turntable(
     if lights == "world":
         scene, _ = with_defaults(scene.replace(camera=cameras[0]), width / height, lights=bool(options.get("default_lights", True)))
     rig = _Rig(scene) if lights == "camera" else None
-    return _turn(Renderer(scene, width=width, height=height, **options), cameras, rig, on_progress, cancel)
+    renderer = Renderer(scene, width=width, height=height, **options)
 
+    def prepare(index: int) -> PerspectiveCamera:
+        if rig is not None:
+            renderer.scene = rig.turned(360.0 * index / len(cameras))
+        return cameras[index]
 
-def _turn(
-    renderer: Any,
-    cameras: tuple[PerspectiveCamera, ...],
-    rig: _Rig | None,
-    on_progress: OnProgress | None,
-    cancel: threading.Event | None,
-) -> Iterator[Image]:
-    meter, n = Meter(on_progress, "turntable"), len(cameras)
-    meter.report(0.0)
-    with renderer:
-        for index, camera in enumerate(cameras):
-
-            def report(progress: Progress, index: int = index) -> None:
-                meter.report(min((index + progress.done) / n, 1.0 - 1e-9))
-
-            if rig is not None:
-                renderer.scene = rig.turned(360.0 * index / n)
-            image = renderer.render(camera, on_progress=report, cancel=cancel)
-            yield image
-            if not image.finished:
-                return
-            # What a picture was made with can refer to itself; the collector counts objects, not the megabytes in them.
-            del image
-            gc.collect(0)
-    meter.report(1.0)
+    return played(renderer, len(cameras), prepare, "turntable", on_progress, cancel)
 
 
 def write_turntable(
@@ -195,17 +174,12 @@ def write_turntable(
     from ..files.interop import as_scene
 
     scene = scene if isinstance(scene, Scene) else as_scene(scene)
-    if scene.background is None and not kind.keeps_alpha and view == "standard" and exposure == 0.0:  # a bent white is none
-        scene = scene.replace(background=(1.0, 1.0, 1.0))
-    meter = Meter(on_progress, "turntable")
+    shown = before_paper(scene, kind, view, exposure)
 
-    def rendering(progress: Progress) -> None:
-        meter.report((1.0 - _ENCODING) * progress.done)
+    def pictures(rendering: OnProgress) -> Iterator[Image]:
+        return turntable(shown, n, on_progress=rendering, **options)
 
-    clip = write_clip(turntable(scene, n, on_progress=rendering, **options), path, fps=fps, quality=quality, view=view, exposure=exposure)
-    if clip.finished:
-        meter.report(1.0)
-    return clip
+    return written(pictures, path, "turntable", on_progress, fps=fps, quality=quality, view=view, exposure=exposure)
 
 
 # --- the camera -----------------------------------------------------------------------------------------------------------

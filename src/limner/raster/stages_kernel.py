@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
-from ..kernel.elementary import log2
-from ..kernel.vec import ONE, ZERO
+from ..kernel.vec import ZERO
 from ..shading.anisotropy import probes_of_footprint, reduction_along
 from ..shading.surface import barycentrics_at
+from ..shading.texture import level_of_detail
 from ..shading.visible import visible_point
 from ..tables.layouts import ANISOTROPIC, PICTURE, RIPMAP, TRILINEAR
 from .layouts import SUBPIXELS
@@ -20,7 +20,6 @@ from .layouts import SUBPIXELS
 __all__ = ["count_coverage", "describe_pixels"]
 
 f32, i64 = np.float32, np.int64
-_HALF = f32(0.5)
 
 
 @kernel
@@ -77,8 +76,7 @@ def _mip_level(texture, footprint) -> np.float32:
     w, h = f32(texture["width"]), f32(texture["height"])
     level = ZERO
     if texture["filter"] == TRILINEAR:
-        longer = max(dudx * dudx * w * w + dvdx * dvdx * h * h, dudy * dudy * w * w + dvdy * dvdy * h * h)
-        level = _HALF * log2(longer) if longer > ONE else ZERO
+        level = level_of_detail(texture, dudx, dvdx, dudy, dvdy)
     elif texture["filter"] == ANISOTROPIC:
         level = probes_of_footprint(dudx, dvdx, dudy, dvdy, w, h).level
     elif texture["filter"] == RIPMAP:

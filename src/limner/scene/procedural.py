@@ -31,35 +31,15 @@ PatternMapping = Literal["object", "uv"]
 _BLACK_TO_WHITE: Colors = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
 
-def _put(pattern: Pattern, field: str, value: object) -> None:
+def _put(pattern: _Laid, field: str, value: object) -> None:
     object.__setattr__(pattern, field, value)
 
 
-def _name(pattern: Pattern, field: str) -> str:
+def _name(pattern: _Laid, field: str) -> str:
     return f"{type(pattern).__name__.lower()}.{field}"
 
 
-def _check_pattern(pattern: Pattern) -> None:
-    """Check what all patterns have: the ramp, and where the pattern is."""
-    _put(pattern, "colors", _checked_colors(pattern))
-    _put(pattern, "positions", _checked_positions(pattern))
-    scale = triple(pattern.scale, _name(pattern, "scale"))
-    if 0.0 in scale:
-        raise SceneError(f"{_name(pattern, 'scale')} must not be zero, got {scale}")
-    _put(pattern, "scale", scale)
-    _put(pattern, "offset", triple(pattern.offset, _name(pattern, "offset")))
-    if pattern.mapping not in ("object", "uv"):
-        raise SceneError(f'{_name(pattern, "mapping")} must be "object" or "uv", got {pattern.mapping!r}')
-    if pattern.uv_set not in (0, 1):
-        raise SceneError(f"{_name(pattern, 'uv_set')} must be 0 or 1, got {pattern.uv_set!r}")
-    axis = triple(pattern.axis, _name(pattern, "axis"))
-    length = math.hypot(*axis)
-    if not length > 0.0:
-        raise SceneError(f"{_name(pattern, 'axis')} must not be zero")
-    _put(pattern, "axis", tuple(x / length for x in axis))
-
-
-def _checked_colors(pattern: Pattern) -> Colors:
+def _checked_colors(pattern: _Laid) -> Colors:
     name = _name(pattern, "colors")
     given: Any = pattern.colors
     try:
@@ -74,7 +54,7 @@ def _checked_colors(pattern: Pattern) -> Colors:
     return tuple(colors)
 
 
-def _checked_positions(pattern: Pattern) -> tuple[float, ...]:
+def _checked_positions(pattern: _Laid) -> tuple[float, ...]:
     name, n = _name(pattern, "positions"), len(pattern.colors)
     if pattern.positions is None:
         return tuple(k / (n - 1) for k in range(n))
@@ -84,21 +64,103 @@ def _checked_positions(pattern: Pattern) -> tuple[float, ...]:
     return positions
 
 
-def _check_octaves(pattern: Noise | Turbulence | Marble | Wood) -> None:
+def _check_whole(pattern: _Laid, field: str, least: int, most: int) -> None:
+    value = getattr(pattern, field)
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise SceneError(f"{_name(pattern, field)} must be an integer from {least} to {most}, got {value!r}")
+
+
+def _check_noise(pattern: _Octaves | _Veined) -> None:
     """Check what patterns made of noise have."""
-    for field, least, most in (("octaves", 1, MAX_OCTAVES), ("seed", -(2**31), 2**31 - 1)):
-        value = getattr(pattern, field)
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise SceneError(f"{_name(pattern, field)} must be an integer from {least} to {most}, got {value!r}")
-    if isinstance(pattern, (Noise, Turbulence)):
-        _put(pattern, "gain", unit_interval(pattern.gain, _name(pattern, "gain")))
-        _put(pattern, "lacunarity", positive(pattern.lacunarity, _name(pattern, "lacunarity")))
-    else:
-        _put(pattern, "amount", finite(pattern.amount, _name(pattern, "amount")))
+    _check_whole(pattern, "octaves", 1, MAX_OCTAVES)
+    _check_whole(pattern, "seed", -(2**31), 2**31 - 1)
+
+
+# --- what they have in common ---------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Checker:
+class _Laid:
+    """The ramp, and where the pattern is."""
+
+    colors: Colors = _BLACK_TO_WHITE
+    positions: tuple[float, ...] | None = None
+    scale: float | Triple = 1.0
+    offset: Triple = (0.0, 0.0, 0.0)
+    mapping: PatternMapping = "object"
+    uv_set: int = 0
+
+    def __post_init__(self) -> None:
+        _put(self, "colors", _checked_colors(self))
+        _put(self, "positions", _checked_positions(self))
+        scale = triple(self.scale, _name(self, "scale"))
+        if 0.0 in scale:
+            raise SceneError(f"{_name(self, 'scale')} must not be zero, got {scale}")
+        _put(self, "scale", scale)
+        _put(self, "offset", triple(self.offset, _name(self, "offset")))
+        if self.mapping not in ("object", "uv"):
+            raise SceneError(f'{_name(self, "mapping")} must be "object" or "uv", got {self.mapping!r}')
+        if self.uv_set not in (0, 1):
+            raise SceneError(f"{_name(self, 'uv_set')} must be 0 or 1, got {self.uv_set!r}")
+
+
+@dataclass(frozen=True)
+class _Anywhere(_Laid):
+    """The same in all directions: the axis is there for kernels only."""
+
+    axis: ClassVar[Triple] = (1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class _Along(_Laid):
+    """Another along an axis than across it."""
+
+    axis: Triple = (1.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        axis = triple(self.axis, _name(self, "axis"))
+        length = math.hypot(*axis)
+        if not length > 0.0:
+            raise SceneError(f"{_name(self, 'axis')} must not be zero")
+        _put(self, "axis", tuple(x / length for x in axis))
+
+
+@dataclass(frozen=True)
+class _Octaves(_Anywhere):
+    """Noise upon noise."""
+
+    octaves: int = 1
+    gain: float = 0.5
+    lacunarity: float = 2.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_noise(self)
+        _put(self, "gain", unit_interval(self.gain, _name(self, "gain")))
+        _put(self, "lacunarity", positive(self.lacunarity, _name(self, "lacunarity")))
+
+
+@dataclass(frozen=True)
+class _Veined(_Along):
+    """A wave that noise has moved."""
+
+    amount: float = 1.0
+    octaves: int = 6
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_noise(self)
+        _put(self, "amount", finite(self.amount, _name(self, "amount")))
+
+
+# --- the patterns ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Checker(_Anywhere):
     """Cubes of two colours in turn; on texture coordinates, squares.
 
     Parameters
@@ -116,21 +178,9 @@ class Checker:
     uv_set : 0 or 1
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
-
-    axis: ClassVar[Triple] = (1.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        _check_pattern(self)
-
 
 @dataclass(frozen=True)
-class Stripes:
+class Stripes(_Along):
     """Bands of two colours across an axis, with sharp edges (FoCG 11.5.1).
 
     Parameters
@@ -143,22 +193,15 @@ class Stripes:
         How much of each pair has the last colour.
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
-    axis: Triple = (1.0, 0.0, 0.0)
     share: float = 0.5
 
     def __post_init__(self) -> None:
-        _check_pattern(self)
+        super().__post_init__()
         _put(self, "share", unit_interval(self.share, "stripes.share"))
 
 
 @dataclass(frozen=True)
-class Gradient:
+class Gradient(_Along):
     """The ramp itself, along an axis from 0 to 1.
 
     Parameters
@@ -169,23 +212,16 @@ class Gradient:
         What lies outside [0, 1].
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
-    axis: Triple = (1.0, 0.0, 0.0)
     wrap: Literal["clamp", "repeat", "mirror"] = "clamp"
 
     def __post_init__(self) -> None:
-        _check_pattern(self)
+        super().__post_init__()
         if self.wrap not in ("clamp", "repeat", "mirror"):
             raise SceneError(f'gradient.wrap must be "clamp", "repeat" or "mirror", got {self.wrap!r}')
 
 
 @dataclass(frozen=True)
-class Noise:
+class Noise(_Octaves):
     """Gradient noise, octave upon octave: ``1/2 + 1/2 sum g^k n(l^k p) / sum g^k`` (FoCG 11.5.2; fractional Brownian motion).
 
     Parameters
@@ -201,26 +237,9 @@ class Noise:
     seed : int
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
-    octaves: int = 1
-    gain: float = 0.5
-    lacunarity: float = 2.0
-    seed: int = 0
-
-    axis: ClassVar[Triple] = (1.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        _check_pattern(self)
-        _check_octaves(self)
-
 
 @dataclass(frozen=True)
-class Turbulence:
+class Turbulence(_Octaves):
     """The sum of the noise's magnitudes, with creases where it changes its sign: ``sum g^k |n(l^k p)|`` (FoCG 11.5.3).
 
     Parameters
@@ -229,26 +248,11 @@ class Turbulence:
         As for `Noise`; with the gain 1/2 and the lacunarity 2 it is the book's ``sum |n(2^k p)| / 2^k``, some 0.5 in the mean.
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
     octaves: int = 6
-    gain: float = 0.5
-    lacunarity: float = 2.0
-    seed: int = 0
-
-    axis: ClassVar[Triple] = (1.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        _check_pattern(self)
-        _check_octaves(self)
 
 
 @dataclass(frozen=True)
-class Marble:
+class Marble(_Veined):
     """Veins: a wave along an axis, its phase shifted by turbulence: ``(1 + sin 2 pi (x + a t(p))) / 2`` (Perlin 1985; FoCG 11.5.3).
 
     Parameters
@@ -261,24 +265,9 @@ class Marble:
         As for `Noise`.
     """
 
-    colors: Colors = _BLACK_TO_WHITE
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
-    axis: Triple = (1.0, 0.0, 0.0)
-    amount: float = 1.0
-    octaves: int = 6
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        _check_pattern(self)
-        _check_octaves(self)
-
 
 @dataclass(frozen=True)
-class Wood:
+class Wood(_Veined):
     """Rings about an axis, not quite round: ``(1 - cos 2 pi (r + a n(p))) / 2`` at distance r from it (Perlin 1985).
 
     Parameters
@@ -294,19 +283,9 @@ class Wood:
     """
 
     colors: Colors = ((0.45, 0.25, 0.1), (0.25, 0.11, 0.04))
-    positions: tuple[float, ...] | None = None
-    scale: float | Triple = 1.0
-    offset: Triple = (0.0, 0.0, 0.0)
-    mapping: PatternMapping = "object"
-    uv_set: int = 0
     axis: Triple = (0.0, 1.0, 0.0)
     amount: float = 0.3
     octaves: int = 2
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        _check_pattern(self)
-        _check_octaves(self)
 
 
 Pattern: TypeAlias = Checker | Stripes | Gradient | Noise | Turbulence | Marble | Wood

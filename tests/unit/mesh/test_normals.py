@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -151,8 +150,8 @@ def test_nothing_and_nonsense():
         crease_normals(np.zeros((3, 3)), [[0, 1, 2]], 200.0)
 
 
-def test_a_scanned_bunny_takes_a_blink():
-    """69 000 triangles in a fraction of a second (measured: 0.05 s); its smooth vertices take the short path."""
+def test_a_scanned_bunny_stays_whole():
+    """Of 69 000 triangles few vertices are split, and what they are split for is said: no corner's normal is far from its face's."""
     path = MESHES / "stanford-bunny.obj"
     if not path.exists():
         pytest.skip("needs ../shared/data/meshes/stanford-bunny.obj")
@@ -160,9 +159,7 @@ def test_a_scanned_bunny_takes_a_blink():
     positions = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], dtype=np.float32)
     corners = [[c.split("/")[0] for c in line.split()[1:4]] for line in lines if line.startswith("f ")]
     triangles = np.array(corners, dtype=np.int32) - 1
-    start = time.perf_counter()
     normals, index = crease_normals(positions, triangles)
-    assert time.perf_counter() - start < 1.0
     assert len(normals) < 1.2 * len(positions)
     cosines = np.einsum("mkc,mc->mk", normals[index], face_normals(positions, triangles))
     assert (cosines > np.cos(np.radians(41.0))).mean() > 0.999

@@ -46,7 +46,7 @@ _EIGHT_BITS, _SIXTEEN_BITS = u32(8), u32(16)
 _ODD_1, _ODD_2, _ODD_4 = u32(0x55555555), u32(0x33333333), u32(0x0F0F0F0F)
 _ODD_8, _LOW_16 = u32(0x00FF00FF), u32(0x0000FFFF)
 _LK1, _LK2, _LK3 = u32(0x3D20ADEA), u32(0x05526C56), u32(0x53A22864)
-_SCATTER = i64(3)
+_SHUFFLE, _SCATTER = i64(2), i64(3)
 _FIRST, _SECOND = u32(0x9E3779B1), u32(0x85EBCA77)
 
 
@@ -123,7 +123,7 @@ def _shuffled_index(sample: np.int64, key: np.uint32) -> np.uint32:
 
     **Source**: B. Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020, section 5.
     """
-    return reverse_bits(scramble_reversed(reverse_bits(word(sample)), key))
+    return reverse_bits(scramble_reversed(reverse_bits(word(sample)), combine(key, _SHUFFLE)))
 
 
 @outlined

@@ -2,8 +2,11 @@
 
 A path starts at the eye and is scattered at every surface as the surface scatters light. At each it asks the lights directly
 (next-event estimation), and what it meets by chance counts too; where both ways can find the same light, each is weighted by how likely
-it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2). After a few surfaces a path that carries little is ended
-by lot and the others are strengthened for it (Russian roulette), which changes no mean.
+it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2).
+A path that carries much less than after its first scattering is ended by lot, and those that go on are strengthened for it (Russian
+roulette), which changes no mean. How much less is measured by what the first surface left, since a dark pixel's error counts as a bright
+one's does; and it may be the second already, since each further surface costs as much and tells less (efficiency-optimised roulette:
+Veach 1997, 10.4; Rath et al., *EARS: Efficiency-aware Russian roulette and splitting*, 2022).
 
 Glass and water send a path one of two ways, by lot. What they focus (caustics) is found by chance alone, so only of lights that have an
 area, and of the sky; unless light is taken to go straight through them (`tinted`), and then is asked for like any other.
@@ -48,7 +51,7 @@ __all__ = ["path_radiance"]
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
-_LEAST_WEIGHT = f32(0.5)
+_LEAST_SHARE = f32(0.7)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
 _PER_SURFACE = 7
@@ -208,7 +211,10 @@ def path_radiance(
     # Whether only mirrors and glass lie between the path and the eye; whether the light it looks for now was asked for straight on; whether
     # it has only been refracted.
     as_seen, was_asked, looks_through, inside = True, False, True, i64(outside)
+    # What a path carries after the first surface that scatters: what the pixel's light is in proportion to.
+    carried = ONE
     for _ in range(_MAX_SURFACES):
+        is_first = as_seen
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
         within = 0 if is_matte_scene else filling(inside, media)
         if not is_matte_scene and (within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO)):
@@ -347,9 +353,13 @@ def path_radiance(
             from_camera, untouched, looks_through = False, False, False
         scatterings += 1
         weight = max_component(throughput)
-        if weight < _LEAST_WEIGHT:
-            if draw_1d(sampler, dimension + _ROULETTE) * _LEAST_WEIGHT >= weight:
+        if weight <= ZERO:
+            break
+        if is_first:
+            carried = weight
+        elif weight < _LEAST_SHARE * carried:
+            if draw_1d(sampler, dimension + _ROULETTE) * (_LEAST_SHARE * carried) >= weight:
                 break
-            throughput = throughput * (_LEAST_WEIGHT / weight)
+            throughput = throughput * (_LEAST_SHARE * carried / weight)
         dimension += _PER_SURFACE
     return total, alpha

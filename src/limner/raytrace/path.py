@@ -286,6 +286,7 @@ def path_radiance(
                 tint = tint_at(material, point, textures, texels)
                 o, d, inside = off_surface(point, -point.n), ways.transmitted, crossing.inside
                 throughput = throughput * tint * (both * squeeze * squeeze)
+                carried = carried * (squeeze * squeeze)  # given back on the way out: no reason to end a path
                 was_asked = rules.tinted != 0 and not as_seen
             pdf, by_chance_only, last = ZERO, True, point.position
         else:

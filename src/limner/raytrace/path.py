@@ -51,7 +51,7 @@ __all__ = ["path_radiance"]
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
-_LEAST_SHARE = f32(0.7)
+_LEAST_SHARE = f32(0.35)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
 _PER_SURFACE = 7

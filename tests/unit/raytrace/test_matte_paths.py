@@ -61,9 +61,7 @@ def test_both_doors_draw_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
     ids=["matte", "textured", "blended", "shining", "glass", "fog"],
 )
-def test_only_matte_scenes_take_the_short_way(
-    monkeypatch: pytest.MonkeyPatch, material: Material, fog: Fog | None, is_matte: bool
-) -> None:
+def test_only_matte_scenes_take_the_short_way(monkeypatch: pytest.MonkeyPatch, material: Material, fog: Fog | None, is_matte: bool) -> None:
     """One surface of another kind, or fog, and the scene takes the usual door."""
     said: list[bool] = []
     ask = Stage.is_matte

@@ -1,8 +1,8 @@
 """What rays look at (FoCG 12.3): cells of a grid, nodes of a BSP and boxes of a tree for each pixel, and triangles.
 
 A teapot in a stadium: steps around a field, and all the detail in one place. The columns are grid, BSP and the tree of least volumes;
-above, the parts of the structure that a pixel's ray visits, below, the triangles that it meets: colours go with the logarithm, from none to
-a thousand. The grid has one size of cell, and the teapot fits into a few of them.
+above, the parts of the structure that a pixel's ray visits, below, the triangles that it meets: colours go with the logarithm, from none
+to a thousand. The grid has one size of cell, and the teapot fits into a few of them.
 
     python examples/accelerators.py accelerators.png
 """
@@ -47,14 +47,14 @@ def triangles() -> NDArray[np.float64]:
     return np.concatenate([stadium(), pot.positions[pot.triangles].astype(np.float64)])
 
 
-def eye_rays() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def eye_rays(width: int, height: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The eye, and a direction (h, w, 3) for every pixel."""
     eye, target = np.array([6.0, 5.2, 12.0]), np.array([0.4, 1.8, 0.0])
     backward = (eye - target) / np.linalg.norm(eye - target)
     right = np.cross((0.0, 1.0, 0.0), backward)
     right /= np.linalg.norm(right)
-    x, y = np.meshgrid(np.arange(WIDTH) + 0.5 - WIDTH / 2, HEIGHT / 2 - np.arange(HEIGHT) - 0.5)
-    slope = np.tan(np.radians(55.0) / 2.0) / (HEIGHT / 2)
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5)
+    slope = np.tan(np.radians(55.0) / 2.0) / (height / 2)
     return eye, slope * (x[..., None] * right + y[..., None] * np.cross(backward, right)) - backward
 
 
@@ -64,21 +64,22 @@ def picture(counts: NDArray[np.int32]) -> Image:
     return Image(np.concatenate([colors, np.ones((*counts.shape, 1), dtype=np.float32)], axis=-1))
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Two rows of three pictures."""
     corners = triangles()
-    eye, directions = eye_rays()
-    sheet = Canvas(len(KINDS) * WIDTH, 2 * (HEIGHT + LINE), "#10131a")
+    width, height = (105, 75) if small else (WIDTH, HEIGHT)
+    eye, directions = eye_rays(width, height)
+    sheet = Canvas(len(KINDS) * width, 2 * (height + LINE), "#10131a")
     for column, (kind, name) in enumerate(KINDS.items()):
         caster = limner.RayCaster(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), accelerator=cast(Kind, kind))
         seen = caster.visits(eye, directions)
         for row, (counts, what) in enumerate(((seen.nodes, "parts"), (seen.triangles, "triangles"))):
-            sheet.paste(picture(counts), column * WIDTH, row * (HEIGHT + LINE) + LINE)
+            sheet.paste(picture(counts), column * width, row * (height + LINE) + LINE)
             words = f"{name}: {counts.mean():.1f} {what} a ray, at most {counts.max()}"
-            sheet.text(column * WIDTH + 8, row * (HEIGHT + LINE) + LINE / 2, words, "white", 15.0, baseline="middle")
+            sheet.text(column * width + 8, row * (height + LINE) + LINE / 2, words, "white", 15.0, baseline="middle")
     sheet.image().save(target)
     print(f"{target}: {len(corners)} triangles, {len(KINDS)} structures")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "accelerators.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "accelerators.png", "--small" in sys.argv)

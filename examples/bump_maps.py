@@ -46,7 +46,7 @@ def row() -> list[tuple[tuple[float, float, float], AnyTexture | None, float]]:
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """A row of balls, and one of rings and boxes."""
     nodes = []
     for k, (color, heights, scale) in enumerate(row()):
@@ -56,11 +56,12 @@ def main(target: str) -> None:
         nodes.append(limner.Node(parent_from_node=translate(x, 0.9, 0), shapes=(limner.Shape(limner.Sphere(0.9), (material,)),)))
         turned = translate(x, 0.75, 2.2) @ rotate((0, 1, 0), 0.5) @ rotate((1, 0, 0), 0.9)
         nodes.append(limner.Node(parent_from_node=turned, shapes=(limner.Shape(other, (material,)),)))
-    camera = limner.Camera.look_at((0, 5.5, 12), (0, 0.6, 1.0), yfov_degrees=32)
+    camera = limner.Camera.look_at((0, 5.5, 12), (0, 0.75, 1.0), yfov_degrees=29)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.45, 0.46, 0.5)))
-    limner.render(scene, width=960, height=480, renderer="ray", samples=8).save(target)
+    width, height, samples = (192, 96, 1) if small else (960, 480, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} shapes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "bump_maps.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "bump_maps.png", "--small" in sys.argv)

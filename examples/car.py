@@ -72,15 +72,17 @@ def scene() -> limner.Scene:
     return limner.Scene(limner.Node("world", children=(car(), road, sun)), camera, (0.55, 0.65, 0.8), animations=(drive(),))
 
 
-def main(path: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw four moments and one long exposure."""
     shown = scene()
-    options = {"width": 480, "height": 270, "renderer": "ray", "samples": 16}
+    width, height, samples = (80, 45, 1) if small else (480, 270, 16)
+    options = {"width": width, "height": height, "renderer": "ray", "samples": samples}
+    long = {**options, "width": 2 * width, "height": 2 * height, "samples": 4 * samples}
     moments = [limner.render(shown, time=time, **options).pixels for time in (0.3, 0.75, 1.2, 1.65)]
-    blurred = limner.render(shown, shutter=(0.9, 1.05), **{**options, "width": 960, "height": 540, "samples": 64}).pixels
+    blurred = limner.render(shown, shutter=(0.9, 1.05), **long).pixels
     sheet = np.concatenate([np.concatenate(moments[:2], axis=1), np.concatenate(moments[2:], axis=1), blurred])
-    limner.Image(sheet).save(path)
+    limner.Image(sheet).save(target)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "car.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "car.png", "--small" in sys.argv)

@@ -14,14 +14,15 @@ KINDS = ("chromaticity", "rgb-matching", "cones", "metamers", "checker", "bandin
 WIDTH, HEIGHT = 640, 520
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Six panels on one sheet."""
-    sheet = Canvas(3 * WIDTH, 2 * HEIGHT, "white")
+    width, height = (WIDTH // 2, HEIGHT // 2) if small else (WIDTH, HEIGHT)
+    sheet = Canvas(3 * width, 2 * height, "white")
     for k, kind in enumerate(KINDS):
-        sheet.paste(chart(kind, width=WIDTH, height=HEIGHT).image(), k % 3 * WIDTH, k // 3 * HEIGHT)
+        sheet.paste(chart(kind, width=width, height=height).image(), k % 3 * width, k // 3 * height)
     sheet.image().save(target)
     print(f"{target}: {', '.join(KINDS)}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "color_charts.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "color_charts.png", "--small" in sys.argv)

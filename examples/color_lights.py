@@ -24,7 +24,7 @@ def metal(name: str) -> limner.MetallicRoughness:
     return limner.MetallicRoughness(base_color=metal_color(name), metallic=1.0, roughness=0.15)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Stand them in a row before a wall, a lamp at each end."""
     balls = [
         limner.Node(
@@ -45,9 +45,10 @@ def main(target: str) -> None:
     rest = limner.Node(lights=(limner.AmbientLight(intensity=0.12),))
     root = limner.Node(children=(*balls, *walls, *lamps, rest))
     scene = limner.Scene(root, camera=camera, background=(0.45, 0.45, 0.45)).with_ground(white)
-    limner.render(scene, width=960, height=480, renderer="ray", samples=16, glossy=True).save(target)
+    width, height, samples = (192, 96, 2) if small else (960, 480, 16)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples, glossy=True).save(target)
     print(f"{target}: {', '.join(METALS)}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "color_lights.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "color_lights.png", "--small" in sys.argv)

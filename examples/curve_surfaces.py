@@ -73,7 +73,7 @@ def sail() -> Tessellation:
     return tessellate.tessellated_triangle(net, 24)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in two rows on a ground, and look from above."""
     closed = sweep.along(trefoil(), 0.01)
     pot = tessellate.tessellated(teapot.patches(), 0.004)
@@ -95,9 +95,10 @@ def main(target: str) -> None:
     nodes = tuple(limner.Node(parent_from_node=place, shapes=(limner.Shape(geometry, (material,)),)) for geometry, material, place in shown)
     camera = limner.Camera.look_at((0, 6.0, 11), (0, 0.6, 0.1), yfov_degrees=32)
     scene = limner.Scene(limner.Node(children=nodes), camera=camera).with_ground(limner.Lambert((0.4, 0.45, 0.5)))
-    limner.render(scene, width=960, height=600, renderer="ray", samples=8).save(target)
+    width, height, samples = (160, 100, 1) if small else (960, 600, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} surfaces, the teapot in {len(pot.triangles)} triangles")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "curve_surfaces.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "curve_surfaces.png", "--small" in sys.argv)

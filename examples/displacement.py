@@ -69,14 +69,14 @@ def dunes(rows: int = 256, columns: int = 256) -> Heights:
     return np.asarray(0.5 + 0.5 * np.sin(phase + 0.7 * np.sin(phase))) + 0.004 * waves(rows, columns, 8, 2.0)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them over the dunes, and look."""
     grey = limner.BlinnPhong(diffuse=(0.55, 0.53, 0.5), specular=(0.04, 0.04, 0.04), exponent=20)
     green = limner.BlinnPhong(diffuse=(0.1, 0.35, 0.18), specular=(0.4, 0.4, 0.4), exponent=80)
     brick = limner.Lambert((0.5, 0.2, 0.12))
     sand = limner.Lambert((0.62, 0.48, 0.3))
     ball = project_uvs(primitives.sphere(1.0, 24), "sphere", axis="y")
-    moon = limner.Shape(ball, (grey,), displacement=Displacement(texture(craters(512, 1024)), 0.35, 0.5))
+    moon = limner.Shape(ball, (grey,), displacement=Displacement(texture(craters(64, 128) if small else craters(512, 1024)), 0.35, 0.5))
     studded = texture(studs())
     ring = limner.Shape(
         limner.Torus(0.8, 0.3), (green,),
@@ -97,10 +97,11 @@ def main(target: str) -> None:
     )
     camera = limner.Camera.look_at((0.6, 2.6, 8.5), (0.5, 0.9, 0), yfov_degrees=34)
     scene = limner.Scene(limner.Node(children=nodes), camera=camera, background=(0.45, 0.6, 0.85))
-    image = limner.render(scene, width=960, height=600, renderer="ray", samples=8)
+    width, height, samples = (120, 75, 1) if small else (960, 600, 8)
+    image = limner.render(scene, width=width, height=height, renderer="ray", samples=samples)
     image.save(target)
     print(f"{target}: {len(nodes) - 2} displaced shapes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "displacement.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "displacement.png", "--small" in sys.argv)

@@ -74,7 +74,7 @@ def shapes() -> list[list[tuple[Distance, limner.Material, float]]]:
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = [
         limner.Node(
@@ -86,9 +86,10 @@ def main(target: str) -> None:
     ]
     camera = limner.Camera.look_at((0, 12, 17), (0, 0.5, 3.0), yfov_degrees=26)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.4, 0.45, 0.5)))
-    limner.render(scene, width=960, height=600, renderer="ray", samples=4).save(target)
+    width, height, samples = (160, 100, 1) if small else (960, 600, 4)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} fields")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "distance_fields.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "distance_fields.png", "--small" in sys.argv)

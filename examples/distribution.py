@@ -16,8 +16,6 @@ import numpy as np
 import limner
 from limner.linear.transform import frame_from_gaze, rotate_z, translate
 
-WIDTH, HEIGHT = 400, 260
-
 
 def shown(geometry: object, material: object, place: np.ndarray, **fields: Any) -> limner.Node:
     """A node with one shape."""
@@ -58,7 +56,7 @@ def scene(*, area: bool, lens: bool, blur: float | None, rough: float) -> limner
     return limner.Scene(limner.Node(children=parts), camera, background=(0.25, 0.3, 0.38))
 
 
-def pictures() -> list[np.ndarray]:
+def pictures(small: bool) -> list[np.ndarray]:
     """Six pictures, row 0 on top, sRGB codes."""
     plain = {"area": False, "lens": False, "blur": None, "rough": 0.0}
     steps: list[tuple[dict[str, Any], dict[str, Any]]] = [
@@ -69,17 +67,19 @@ def pictures() -> list[np.ndarray]:
         ({"blur": 0.25, "rough": 0.35}, {"samples": 64, "glossy": True}),
         ({}, {"samples": 100, "shutter": (0.0, 1.0), "glossy": True}),
     ]
+    width, height = (80, 52) if small else (400, 260)
     made, soft = [], dict(plain)
     for change, options in steps:
         soft.update(change)
-        image = limner.render(scene(**soft), width=WIDTH, height=HEIGHT, renderer="ray", sampler="multijittered", **options)
+        options["samples"] = math.isqrt(options["samples"]) if small else options["samples"]
+        image = limner.render(scene(**soft), width=width, height=height, renderer="ray", sampler="multijittered", **options)
         made.append(image.to_uint8())
     return made
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them side by side, three in a row."""
-    made = pictures()
+    made = pictures(small)
     rows = [np.concatenate(made[k : k + 3], axis=1) for k in (0, 3)]
     codes = np.concatenate(rows, axis=0).astype(np.float32) / 255.0
     linear = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
@@ -88,4 +88,4 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "distribution.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "distribution.png", "--small" in sys.argv)

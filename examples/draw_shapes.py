@@ -1,6 +1,6 @@
 """Drawing in two dimensions (FoCG 8.2.1): stars with and without a heart, pens, dashes, gradients, words; as pixels and as SVG.
 
-    python examples/draw_shapes.py shapes.png shapes.svg
+    python examples/draw_shapes.py shapes.png        writes shapes.png and shapes.svg
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def star(x: float, y: float, radius: float) -> np.ndarray:
     return np.stack([x + radius * np.cos(turn), y + radius * np.sin(turn)], axis=1)
 
 
-def main(picture: str, drawing: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw once, save twice."""
     canvas = Canvas(640, 400, background="white")
     canvas.polygon(star(90, 85, 70), fill=RED, rule="nonzero")
@@ -45,10 +45,11 @@ def main(picture: str, drawing: str) -> None:
     )
     canvas.pixel_lines([(550, 230 + 12 * k, 620, 230 + 20 * k) for k in range(7)], INK)
     canvas.text(320, 385, "one canvas: pixels and vectors", INK, 18, "center")
-    canvas.image().save(picture)
-    File(drawing).write_text(canvas.svg(), encoding="utf-8")
-    print(f"{picture}, {drawing}: {len(canvas.commands)} commands")
+    canvas.image().save(target)
+    if not small:
+        File(target).with_suffix(".svg").write_text(canvas.svg(), encoding="utf-8")
+    print(f"{target}: {len(canvas.commands)} commands")
 
 
 if __name__ == "__main__":
-    main(*(sys.argv[1:3] if len(sys.argv) > 2 else ("shapes.png", "shapes.svg")))
+    main(sys.argv[1] if len(sys.argv) > 1 else "shapes.png", "--small" in sys.argv)

@@ -13,7 +13,7 @@ from limner.linear.transform import in_order, rotate, translate
 from limner.produce.draw_sheet import technical_sheet
 
 
-def bracket() -> limner.Scene:
+def bracket(holes: bool) -> limner.Scene:
     """A base with two holes, and an upright plate with one: millimetres."""
     hole = limner.Cylinder(4.0, 40.0)
     base = limner.Union(
@@ -24,15 +24,16 @@ def bracket() -> limner.Scene:
     drilled = limner.Difference(
         base, limner.Solid(hole, translate(-20.0, 4.0, 6.0)), limner.Solid(hole, translate(20.0, 4.0, 6.0)), through
     )
-    return limner.Scene(root=limner.Node(shapes=(limner.Shape(drilled),)), name="bracket")
+    return limner.Scene(root=limner.Node(shapes=(limner.Shape(drilled if holes else base),)), name="bracket")
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """In first angle, on A4."""
-    sheet = technical_sheet(bracket(), views=("front", "top", "left", "iso"), paper="A4", unit="mm", dimensions=True)
+    views = ("front", "top") if small else ("front", "top", "left", "iso")
+    sheet = technical_sheet(bracket(not small), views=views, paper="A4", unit="mm", dimensions=True)
     sheet.save(target)
     print(f"{target}: {sheet.facts['lines']} lines at {sheet.facts['scale']}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "bracket.svg")
+    main(sys.argv[1] if len(sys.argv) > 1 else "bracket.svg", "--small" in sys.argv)

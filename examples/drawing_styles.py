@@ -15,8 +15,6 @@ from limner.linear.transform import translate
 from limner.produce.drawing import drawing
 from limner.produce.stylized import stylized
 
-WIDTH, HEIGHT = 420, 320
-
 
 def scene() -> limner.Scene:
     """A teapot's company: a torus, a ball on it, and a box behind."""
@@ -26,13 +24,14 @@ def scene() -> limner.Scene:
         limner.Node(parent_from_node=translate(0.0, 1.2, 0.0), shapes=(limner.Shape(limner.Sphere(0.8), sky),)),
         limner.Node(parent_from_node=translate(-1.2, 0.75, -2.2), shapes=(limner.Shape(limner.Box((1.4, 1.5, 1.4)), leaf),)),
     )
-    camera = limner.Camera.look_at((2.6, 2.8, 5.2), (-0.2, 0.75, -0.5), yfov_degrees=35)
+    camera = limner.Camera.look_at((3.6, 2.8, 4.6), (-0.15, 0.85, -0.5), yfov_degrees=27)
     return limner.Scene(root=limner.Node(children=nodes), camera=camera)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Six pictures side by side."""
-    size = {"width": WIDTH, "height": HEIGHT}
+    width, height = (84, 64) if small else (420, 320)
+    size = {"width": width, "height": height}
     pictures = [
         drawing(scene(), style="plain", **size).image(),
         drawing(scene(), style="sketch", tone="hatching", **size).image(),
@@ -41,14 +40,14 @@ def main(target: str) -> None:
         drawing(scene(), style="sketch", fill=True, **size).image(),
         stylized(scene(), style="gooch", lines=True, **size),
     ]
-    sheet = Canvas(3 * WIDTH, 2 * HEIGHT, background="white")
+    sheet = Canvas(3 * width, 2 * height, background="white")
     for index, picture in enumerate(pictures):
         row, column = divmod(index, 3)
-        sheet.paste(picture, column * WIDTH, row * HEIGHT)
+        sheet.paste(picture, column * width, row * height)
     image = sheet.image()
     image.save(target)
     print(f"{target}: {len(pictures)} styles, {float(np.mean(image.pixels[..., 0] < 0.5)):.0%} ink")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "styles.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "styles.png", "--small" in sys.argv)

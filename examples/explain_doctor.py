@@ -17,7 +17,6 @@ from limner.linear.transform import translate
 from limner.mesh.normals import vertex_normals
 from limner.mesh.primitives import uv_sphere
 
-WIDTH, HEIGHT = 320, 240
 CLAY = limner.Lambert((0.75, 0.45, 0.3), double_sided=False)
 
 
@@ -29,23 +28,24 @@ def scene(mesh: limner.Mesh, intensity: float) -> limner.Scene:
     return limner.Scene(limner.Node("world", children=(ball, lamp)), camera=camera, background=(0.8, 0.82, 0.85))
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Ask about each, and draw it with what was found."""
     ball = uv_sphere(36, 18)
     flat = dataclasses.replace(ball, normals=None, tangents=None)
     smooth = dataclasses.replace(flat, normals=vertex_normals(ball.positions, ball.triangles))
     turned = limner.Mesh(ball.positions, np.ascontiguousarray(ball.triangles[:, ::-1]), normals=-smooth.normals)
     cases = (scene(flat, 60.0), scene(turned, 60.0), scene(smooth, 0.05), scene(smooth, 60.0))
-    canvas = Canvas(2 * WIDTH, 2 * (HEIGHT + 26), background="white")
+    width, height = (80, 60) if small else (320, 240)
+    canvas = Canvas(2 * width, 2 * (height + 26), background="white")
     for k, case in enumerate(cases):
         found = doctor(case)
-        x, y = (k % 2) * WIDTH, (k // 2) * (HEIGHT + 26)
-        canvas.paste(limner.render(case, width=WIDTH, height=HEIGHT), x, y)
-        canvas.text(x + 8, y + HEIGHT + 18, ", ".join(found.kinds) or "nothing is wrong", "#222222", 15)
+        x, y = (k % 2) * width, (k // 2) * (height + 26)
+        canvas.paste(limner.render(case, width=width, height=height), x, y)
+        canvas.text(x + 8, y + height + 18, ", ".join(found.kinds) or "nothing is wrong", "#222222", 15)
         print(found.text())
     canvas.image().save(target)
     print(target)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "doctor.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "doctor.png", "--small" in sys.argv)

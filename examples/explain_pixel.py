@@ -1,7 +1,7 @@
 """Why does this pixel look like that? The tree of rays of one pixel (FoCG 4, 13.1), drawn into the scene as it is seen from the side.
 
-Blue: the eye's ray. Orange: reflected and refracted. Yellow: to a light; red: one that something blocks. Beside the picture stands the page
-with the whole story: every term, its formula, and where that comes from.
+Blue: the eye's ray. Orange: reflected and refracted. Yellow: to a light; red: one that something blocks. Beside the picture stands the
+page with the whole story: every term, its formula, and where that comes from.
 
     python examples/explain_pixel.py pixel.png        writes pixel.png and pixel.html
 """
@@ -19,7 +19,6 @@ from limner.draw.stroke import Pen
 from limner.explain.explain import explain
 from limner.linear.transform import translate
 
-WIDTH, HEIGHT, PIXEL = 640, 400, (262, 226)
 INKS = {"eye": "#1b6ac9", "ray": "#e07a10", "shadow": "#d8c400", "blocked": "#c01030"}
 
 
@@ -35,22 +34,23 @@ def scene() -> limner.Scene:
     return limner.Scene(root, camera=limner.Camera.look_at((0, 1.2, 5), (0, 0.6, 0), yfov_degrees=35), background=(0.35, 0.5, 0.7))
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Tell the story, and draw its rays over a picture from another side."""
+    width, height, pixel = (160, 100, (65, 56)) if small else (640, 400, (262, 226))
     made = scene()
-    told = explain(made, *PIXEL, width=WIDTH, height=HEIGHT, renderer="ray", samples=1)
+    told = explain(made, *pixel, width=width, height=height, renderer="ray", samples=1)
     told.save(Path(target).with_suffix(".html"))
     side = limner.Camera.look_at((6.5, 3.2, 4.5), (0.0, 0.6, 1.2), yfov_degrees=38)
-    canvas = Canvas.on(limner.render(made, camera=side, width=WIDTH, height=HEIGHT, renderer="ray", samples=4))
+    canvas = Canvas.on(limner.render(made, camera=side, width=width, height=height, renderer="ray", samples=4))
     for ray in told.drawing["rays"]:
-        ends, depth = side.project(np.array([ray["from"], ray["to"]]), WIDTH, HEIGHT)
+        ends, depth = side.project(np.array([ray["from"], ray["to"]]), width, height)
         if (depth > 0.0).all():
             canvas.line(*ends[0], *ends[1], INKS[ray["kind"]], Pen(1.6))
-    canvas.text(12, 24, f"pixel {PIXEL}: {len(told.drawing['rays'])} rays", "#ffffff", 16)
+    canvas.text(12, 24, f"pixel {pixel}: {len(told.drawing['rays'])} rays", "#ffffff", 16)
     canvas.image().save(target)
     rays = sum(step.kind == "ray" for step in told.story.walk())
     print(f"{target}: {rays} rays in the tree, {len(told.drawing['rays']) - rays} to lights; the picture's own bits: {told.is_exact}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "pixel.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "pixel.png", "--small" in sys.argv)

@@ -48,7 +48,7 @@ def tumbler() -> limner.Node:
 def lens() -> limner.Node:
     """What two balls of radius 1 have in common."""
     halves = (limner.Solid(limner.Sphere(1.0), translate(0, 0, side * 0.8)) for side in (-1, 1))
-    return shown(limner.Intersection(*halves), CLEAR, translate(1.35, 0.62, 1.3) @ rotate_y(0.25))
+    return shown(limner.Intersection(*halves), CLEAR, translate(1.15, 0.62, 1.25) @ rotate_y(0.25))
 
 
 def scene() -> limner.Scene:
@@ -61,26 +61,27 @@ def scene() -> limner.Scene:
     parts = (
         shown(limner.Plane(), limner.Lambert((0.9, 0.9, 0.9), texture=texture), np.eye(4)),
         tumbler(),
-        shown(limner.Sphere(0.6), CLEAR, translate(-0.75, 0.601, -0.5)),
-        shown(limner.Sphere(0.33), limner.Dielectric(1.0), translate(-0.68, 0.7, -0.42)),
-        shown(limner.Sphere(0.55), AMBER, translate(0.55, 0.551, -0.7)),
+        shown(limner.Sphere(0.6), CLEAR, translate(-0.9, 0.601, -0.7)),
+        shown(limner.Sphere(0.33), limner.Dielectric(1.0), translate(-0.83, 0.7, -0.62)),
+        shown(limner.Sphere(0.55), AMBER, translate(0.65, 0.551, -1.1)),
         lens(),
-        shown(limner.Box((0.8, 0.8, 0.8)), FROSTED, translate(2.0, 0.401, -0.7) @ rotate_y(0.5)),
-        shown(limner.Box((0.9, 0.9, 0.9)), FOG, translate(-0.35, 0.451, 1.35) @ rotate_y(-0.3)),
-        shown(limner.Sphere(0.2), limner.Lambert((0.75, 0.12, 0.1)), translate(-0.35, 0.35, 1.35)),
+        shown(limner.Box((0.8, 0.8, 0.8)), FROSTED, translate(2.25, 0.401, -0.9) @ rotate_y(0.5)),
+        shown(limner.Box((0.9, 0.9, 0.9)), FOG, translate(-0.55, 0.451, 1.75) @ rotate_y(-0.3)),
+        shown(limner.Sphere(0.2), limner.Lambert((0.75, 0.12, 0.1)), translate(-0.55, 0.35, 1.75)),
         limner.Node("lamp", lamp, lights=(limner.RectangleLight(intensity=7.0, width=2.0, height=2.0),)),
     )
-    camera = limner.Camera.look_at((0.0, 2.3, 6.4), (0.0, 0.55, 0.0), yfov_degrees=32)
+    camera = limner.Camera.look_at((0.0, 3.0, 6.6), (0.0, 0.5, 0.15), yfov_degrees=31)
     return limner.Scene(
         limner.Node(children=parts), camera, background="environment", environment=limner.Environment(sky, intensity=0.7)
     )
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw it with soft shadows."""
-    image = limner.render(scene(), width=800, height=450, renderer="ray", samples=36, sampler="multijittered", max_depth=12)
+    width, height, samples = (128, 72, 4) if small else (720, 405, 16)
+    image = limner.render(scene(), width=width, height=height, renderer="ray", samples=samples, sampler="multijittered", max_depth=12)
     image.save(target)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "glass.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "glass.png", "--small" in sys.argv)

@@ -67,31 +67,31 @@ def landscape() -> Mesh:
     return primitives.heightfield(np.sin(2.0 * x + z) + np.cos(1.5 * z - x) + 0.5 * np.sin(4.0 * x), 1.9, 0.16)
 
 
-def gyroid() -> Mesh:
+def gyroid(n: int) -> Mesh:
     """A slice of the gyroid, one unit thick, cut to a cube by the box that it is looked for in."""
     def field(p: np.ndarray) -> np.ndarray:
         x, y, z = 2.0 * math.pi * p.T
         return np.abs(np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x)) - 0.35
 
-    return marching_cubes(field, [(-0.8, -0.8, -0.8), (0.8, 0.8, 0.8)], 80, capped=True)
+    return marching_cubes(field, [(-0.8, -0.8, -0.8), (0.8, 0.8, 0.8)], n, capped=True)
 
 
-def drops() -> Mesh:
+def drops(n: int) -> Mesh:
     """Metaballs (Blinn 1982): densities that flow together, solid where they are high."""
     middles = np.array([(0.0, 0.0, 0.0), (0.55, 0.35, 0.1), (-0.5, 0.3, 0.2), (0.0, 0.75, -0.2), (0.05, -0.35, 0.45)])
 
     def density(p: np.ndarray) -> np.ndarray:
         return np.exp(-9.0 * ((p[:, None] - middles) ** 2).sum(axis=2)).sum(axis=1)
 
-    return marching_cubes(density, [(-1.3, -1.2, -1.0), (1.3, 1.4, 1.2)], 64, level=0.35, inside="above")
+    return marching_cubes(density, [(-1.3, -1.2, -1.0), (1.3, 1.4, 1.2)], n, level=0.35, inside="above")
 
 
-def rows() -> list[list[Mesh]]:
+def rows(small: bool) -> list[list[Mesh]]:
     """All meshes, from the back to the front."""
-    front = [landscape(), gyroid(), drops(), primitives.torus(0.75, 0.28, 96, 48)]
+    front = [landscape(), gyroid(20 if small else 80), drops(16 if small else 64), primitives.torus(0.75, 0.28, 96, 48)]
     try:
-        front += [boolean("difference", primitives.box(1.5), primitives.sphere(0.98, 64), materials="operand")]
-        front += [boolean("intersection", primitives.box(1.5), primitives.sphere(0.98, 64), materials="operand")]
+        front += [boolean("difference", primitives.box(1.5), primitives.sphere(0.98, 8 if small else 64), materials="operand")]
+        front += [boolean("intersection", primitives.box(1.5), primitives.sphere(0.98, 8 if small else 64), materials="operand")]
     except limner.UnsupportedError as error:
         print(error)
     return [
@@ -108,10 +108,10 @@ def rows() -> list[list[Mesh]]:
     ]  # fmt: skip
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = []
-    for k, row in enumerate(rows()):
+    for k, row in enumerate(rows(small)):
         for column, mesh in enumerate(row):
             paints = tuple(
                 limner.BlinnPhong(diffuse=COLORS[(k + column + more) % len(COLORS)], specular=(0.25, 0.25, 0.25), exponent=60)
@@ -121,9 +121,10 @@ def main(target: str) -> None:
             nodes.append(limner.Node(parent_from_node=place, shapes=(limner.Shape(mesh, paints),)))
     camera = limner.Camera.look_at((0, 17, 21), (0, 0, 5.0), yfov_degrees=30)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.4, 0.45, 0.5)))
-    limner.render(scene, width=1200, height=800, renderer="ray", samples=8).save(target)
+    width, height, samples = (150, 100, 1) if small else (1200, 800, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} meshes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "mesh_primitives.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "mesh_primitives.png", "--small" in sys.argv)

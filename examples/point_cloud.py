@@ -41,9 +41,10 @@ def deviation(positions: NDArray[np.float32]) -> NDArray[np.float64]:
     return found
 
 
-def picture(width: int = 960, height: int = 360) -> limner.Image:
+def main(target: str, small: bool = False) -> None:
     """Three clouds beside each other."""
-    positions, normals = scan(N_POINTS)
+    width, height = (192, 72) if small else (960, 360)
+    positions, normals = scan(N_POINTS // 10 if small else N_POINTS)
     values = deviation(positions)
     ends = (-2.0, 2.0)
     plain = limner.PointCloud(positions, radii=0.012)
@@ -55,8 +56,9 @@ def picture(width: int = 960, height: int = 360) -> limner.Image:
     camera = limner.Camera.look_at((3.55, 5.4, 7.4), (3.55, -0.1, 0), yfov_degrees=26)
     scene = limner.Scene(limner.Node(children=nodes), camera=camera, background=(0.9, 0.9, 0.9))
     image = limner.render(scene, width=width, height=height, samples=8)
-    return limner.with_color_bar(image, limner.ColorBar("cool_warm", ends, "deviation, mm"))
+    limner.with_color_bar(image, limner.ColorBar("cool_warm", ends, "deviation, mm")).save(target)
+    print(f"{target}: 3 times {len(positions)} points")
 
 
 if __name__ == "__main__":
-    picture().save(sys.argv[1])
+    main(sys.argv[1] if len(sys.argv) > 1 else "point_cloud.png", "--small" in sys.argv)

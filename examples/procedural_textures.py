@@ -33,7 +33,7 @@ def polished(pattern: Pattern) -> limner.BlinnPhong:
     return limner.BlinnPhong(diffuse=(0.9, 0.9, 0.9), diffuse_texture=pattern, specular=(0.25, 0.25, 0.25), exponent=80)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Balls in two rows, the last of them a block of marble with a ball taken out."""
     block = limner.Difference(limner.Box(1.5), limner.Solid(limner.Sphere(0.98)))
     shapes = [limner.Shape(limner.Sphere(0.9), (polished(pattern),)) for pattern in PATTERNS]
@@ -42,12 +42,13 @@ def main(target: str) -> None:
         limner.Node(parent_from_node=translate((k % 4 - 1.5) * 2.1, 0.9, (k // 4) * 2.2) @ rotate((0, 1, 0), 0.4), shapes=(shape,))
         for k, shape in enumerate(shapes)
     ]
-    camera = limner.Camera.look_at((0, 6.5, 11), (0, 0.6, 1.0), yfov_degrees=32)
+    camera = limner.Camera.look_at((0, 6.5, 11), (0, 0.6, 1.0), yfov_degrees=27.5)
     ground = limner.Lambert((1, 1, 1), texture=Checker(((0.35, 0.37, 0.4), (0.5, 0.52, 0.55)), scale=0.7, offset=(0, 0.5, 0)))
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(ground)
-    limner.render(scene, width=960, height=540, renderer="ray", samples=8).save(target)
+    width, height, samples = (192, 108, 1) if small else (960, 540, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(shapes)} patterns")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "procedural_textures.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "procedural_textures.png", "--small" in sys.argv)

@@ -10,13 +10,14 @@ import sys
 import limner
 from limner.image.hardcopy import MM_PER_INCH, grey_levels
 
-DPI, LINES_PER_INCH, WIDTH_MM = 600, 75, 60.0
+DPI, LINES_PER_INCH = 600, 75
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Render, fit to the paper, screen, save one bit for each dot."""
-    image = limner.render("teapot", width=640, height=480)
-    dots = round(WIDTH_MM / MM_PER_INCH * DPI)
+    width_mm = 8.0 if small else 60.0
+    image = limner.render("teapot", width=80 if small else 640, height=60 if small else 480)
+    dots = round(width_mm / MM_PER_INCH * DPI)
     printed = image.resized(dots, dots * 3 // 4).halftoned(DPI, LINES_PER_INCH, angle_degrees=45.0)
     printed.save(target, bits=1)
     width, height = printed.print_size()
@@ -25,4 +26,4 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "teapot-print.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "teapot-print.png", "--small" in sys.argv)

@@ -16,18 +16,17 @@ from limner.color.transfer import linear_from_srgb, srgb_from_linear
 from limner.image.quantize import DITHERS, quantize
 from limner.image.reconstruct import FILTERS
 
-SIDE = 192
 
-
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Render once, look at it in ten ways, save the sheet."""
-    image = limner.render("teapot", width=SIDE, height=SIDE)
-    y, x = np.mgrid[0:SIDE, 0:SIDE]
-    magnified = [image.sample(80 + x / 8, 34 + y / 8, filter=name) for name in FILTERS]
+    side = 48 if small else 192
+    image = limner.render("teapot", width=side, height=side)
+    y, x = np.mgrid[0:side, 0:side]
+    magnified = [image.sample(0.42 * side + x / 8, 0.18 * side + y / 8, filter=name) for name in FILTERS]
     encoded = srgb_from_linear(image.pixels[..., :3])
     few = []
     for dither in (None, *DITHERS):
-        pixels = np.ones((SIDE, SIDE, 4), dtype=np.float32)
+        pixels = np.ones((side, side, 4), dtype=np.float32)
         pixels[..., :3] = linear_from_srgb(quantize(encoded, 2, dither) / 3.0)
         few.append(pixels)
     sheet = np.concatenate([np.concatenate(row, axis=1) for row in (magnified, few)], axis=0)
@@ -36,4 +35,4 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "sampling.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "sampling.png", "--small" in sys.argv)

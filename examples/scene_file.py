@@ -16,11 +16,12 @@ from limner.files.scene_file import save_scene, settings_of
 from limner.scene.digest import scene_digest
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Read it, make its picture, write it, and read that."""
     source = Path(__file__).with_name("scene_file.yaml")
     scene, settings = limner.load(source), settings_of(source)
-    limner.render(scene, **settings).save(target)
+    smaller = {"width": 96, "height": 64, "samples": 1} if small else {}
+    limner.render(scene, **{**settings, **smaller}).save(target)
     with tempfile.TemporaryDirectory() as folder:
         again = Path(folder) / "again.yaml"
         save_scene(scene, again, settings=settings)
@@ -32,4 +33,4 @@ def main(target: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "scene_file.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "scene_file.png", "--small" in sys.argv)

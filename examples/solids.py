@@ -16,7 +16,7 @@ import numpy as np
 import limner
 from limner.linear.transform import in_order, rotate, translate
 
-STEP = 2.3  # from shape to shape
+STEP, ROW = 2.3, 3.1  # from shape to shape, from row to row
 
 
 def paint(r: float, g: float, b: float) -> limner.BlinnPhong:
@@ -87,18 +87,19 @@ def shapes() -> list[list[tuple[limner.Shape, np.ndarray]]]:
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = [
-        limner.Node(parent_from_node=in_order(place, translate((column - (len(row) - 1) / 2) * STEP, 0, k * STEP)), shapes=(shape,))
+        limner.Node(parent_from_node=in_order(place, translate((column - (len(row) - 1) / 2) * STEP, 0, k * ROW)), shapes=(shape,))
         for k, row in enumerate(shapes())
         for column, (shape, place) in enumerate(row)
     ]
-    camera = limner.Camera.look_at((0, 8, 15), (0, 0.2, 2.4), yfov_degrees=33)
+    camera = limner.Camera.look_at((0, 10.5, 15), (0, 0.5, 3.3), yfov_degrees=32)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.4, 0.45, 0.5)))
-    limner.render(scene, width=960, height=600, renderer="ray", samples=8).save(target)
+    width, height, samples = (192, 120, 1) if small else (960, 600, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
     print(f"{target}: {len(nodes)} shapes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "solids.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "solids.png", "--small" in sys.argv)

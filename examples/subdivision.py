@@ -1,8 +1,8 @@
 """Smooth surfaces from coarse meshes (FoCG 12.1, 15): three schemes of subdivision, step by step, and creases.
 
 Rows from the back: Catmull and Clark from a chair of cubes (after one step, two, three, and the limit), Loop from an icosahedron with
-spikes and Kobbelt's root of three from a torus of few triangles (the coarse mesh, one step, two, the limit). In front a cube by Catmull and
-Clark, its lower and its upper square creased for 0, 1, 2 and all steps.
+spikes and Kobbelt's root of three from a torus of few triangles (the coarse mesh, one step, two, the limit). In front a cube by Catmull
+and Clark, its lower and its upper square creased for 0, 1, 2 and all steps.
 
     python examples/subdivision.py subdivision.png
 """
@@ -69,23 +69,25 @@ def flat(mesh: Mesh) -> Mesh:
     return dataclasses.replace(mesh, normals=None, normal_triangles=None)
 
 
-def rows() -> list[list[Mesh]]:
+def rows(small: bool) -> list[list[Mesh]]:
     """What is shown, from the back to the front."""
+    fine = 2 if small else 5
     seat, ball, ring = chair(), spiked(), primitives.torus(0.75, 0.35, 6, 4)
     box = primitives.box(1.5)
     squares = [(0, 1), (1, 5), (5, 4), (4, 0), (2, 3), (3, 7), (7, 6), (6, 2)]
     return [
-        [flat(catmull_clark(seat, 1)), flat(catmull_clark(seat, 2)), flat(catmull_clark(seat, 3)), catmull_clark(seat, 4, limit=True)],
-        [flat(ball), flat(loop(ball, 1)), flat(loop(ball, 2)), loop(ball, 5, limit=True)],
-        [flat(ring), flat(sqrt3(ring, 1)), flat(sqrt3(ring, 2)), sqrt3(ring, 6, limit=True)],
-        [catmull_clark(box, 5, creases=squares, sharpness=s, limit=True) for s in (0.0, 1.0, 2.0, math.inf)],
+        [flat(catmull_clark(seat, 1)), flat(catmull_clark(seat, 2)), flat(catmull_clark(seat, 3)),
+         catmull_clark(seat, fine - 1, limit=True)],
+        [flat(ball), flat(loop(ball, 1)), flat(loop(ball, 2)), loop(ball, fine, limit=True)],
+        [flat(ring), flat(sqrt3(ring, 1)), flat(sqrt3(ring, 2)), sqrt3(ring, fine + 1, limit=True)],
+        [catmull_clark(box, fine, creases=squares, sharpness=s, limit=True) for s in (0.0, 1.0, 2.0, math.inf)],
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Put them in rows on a ground, and look from above."""
     nodes = []
-    for k, row in enumerate(rows()):
+    for k, row in enumerate(rows(small)):
         paint = limner.BlinnPhong(diffuse=COLORS[k], specular=(0.2, 0.2, 0.2), exponent=50)
         for column, mesh in enumerate(row):
             turned = rotate((0, 1, 0), 0.5)
@@ -93,9 +95,10 @@ def main(target: str) -> None:
             nodes.append(limner.Node(parent_from_node=place, shapes=(limner.Shape(mesh, (paint,)),)))
     camera = limner.Camera.look_at((0, 16, 20), (0, 0, 4.7), yfov_degrees=28)
     scene = limner.Scene(limner.Node(children=tuple(nodes)), camera=camera).with_ground(limner.Lambert((0.42, 0.44, 0.47)))
-    limner.render(scene, width=1000, height=800, renderer="ray", samples=8).save(target)
-    print(f"{target}: {sum(len(row) for row in rows())} meshes")
+    width, height, samples = (150, 120, 1) if small else (1000, 800, 8)
+    limner.render(scene, width=width, height=height, renderer="ray", samples=samples).save(target)
+    print(f"{target}: {len(nodes)} meshes")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "subdivision.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "subdivision.png", "--small" in sys.argv)

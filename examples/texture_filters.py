@@ -15,6 +15,7 @@ from typing import get_args
 import numpy as np
 
 import limner
+from limner.draw.canvas import Canvas
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.light import AmbientLight
 from limner.scene.material import Lambert
@@ -22,8 +23,6 @@ from limner.scene.node import Node
 from limner.scene.scene import Scene
 from limner.scene.shape import Plane, Shape
 from limner.scene.texture import Filter, Texels, Texture
-
-WIDTH, HEIGHT = 384, 256
 
 
 def chessboard() -> Texels:
@@ -34,25 +33,29 @@ def chessboard() -> Texels:
     return Texels(pixels)
 
 
-def floor(name: Filter, samples: int) -> np.ndarray:
-    """The board as far as one can see: (HEIGHT, WIDTH, 4) float32."""
+def floor(name: Filter, samples: int, width: int, height: int) -> np.ndarray:
+    """The board as far as one can see: (height, width, 4) float32."""
     board = Lambert(color=1, texture=Texture(chessboard(), filter=name))
     scene = Scene(
         root=Node(shapes=(Shape(Plane(), (board,)),), lights=(AmbientLight(intensity=1.0),)),
         camera=PerspectiveCamera.look_at((0.3, 0.6, 0.0), (0.45, 0.4, -1.0), yfov_degrees=50),
         background=(0.25, 0.4, 0.7),
     )
-    return limner.render(scene, width=WIDTH, height=HEIGHT, samples=samples, antialiasing="supersample").pixels
+    return limner.render(scene, width=width, height=height, samples=samples, antialiasing="supersample").pixels
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Render the floor six times and save the sheet."""
-    tiles = [floor(name, samples=1) for name in get_args(Filter)]
-    tiles.append(floor("bilinear", samples=64))
-    sheet = np.concatenate([np.concatenate(tiles[k : k + 3], axis=1) for k in (0, 3)], axis=0)
-    limner.Image(sheet).save(target)
+    size = (96, 64) if small else (384, 256)
+    tiles = [floor(name, 1, *size) for name in get_args(Filter)]
+    tiles.append(floor("bilinear", 64, *size))
+    sheet = Canvas(3 * size[0], 2 * size[1], "white")
+    for k, (words, tile) in enumerate(zip((*get_args(Filter), "64 samples"), tiles, strict=True)):
+        x, y = k % 3 * size[0], k // 3 * size[1]
+        sheet.paste(limner.Image(tile), x, y).text(x + 10, y + 22, words, "white", 15)
+    sheet.image().save(target)
     print(f"{target}: {', '.join(get_args(Filter))}, 64 samples")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "filters.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "filters.png", "--small" in sys.argv)

@@ -41,7 +41,7 @@ def shapes() -> list[tuple[Mesh, np.ndarray]]:
     ]
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """A row for each shape, a column for each projection."""
     material = limner.Lambert((1.0, 1.0, 1.0), texture=chart())
     nodes = []
@@ -53,9 +53,10 @@ def main(target: str) -> None:
     camera = limner.Camera.look_at((0, 1.5, 14), (0, 0, 0), yfov_degrees=32)
     sky = limner.Node(lights=(limner.AmbientLight(intensity=0.5), limner.DirectionalLight(intensity=2.0)))
     scene = limner.Scene(limner.Node(children=(*nodes, sky)), camera=camera, background=(0.85, 0.87, 0.9))
-    limner.render(scene, width=960, height=720, samples=8).save(target)
+    width, height, samples = (240, 180, 2) if small else (960, 720, 8)
+    limner.render(scene, width=width, height=height, samples=samples).save(target)
     print(f"{target}: {len(nodes)} projections")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "texture_projections.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "texture_projections.png", "--small" in sys.argv)

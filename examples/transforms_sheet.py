@@ -1,6 +1,6 @@
 """Show each transformation of chapter 6 on a letter: what it was in gray, what it became in colour.
 
-    python examples/transforms_sheet.py -o transforms.png
+    python examples/transforms_sheet.py transforms.png
 
 The first two rows are the plane (FoCG 6.1), seen straight from the front; the others are space (6.2, 6.3), where each panel is a
 matrix of `limner.linear.transform`.
@@ -8,8 +8,8 @@ matrix of `limner.linear.transform`.
 
 from __future__ import annotations
 
-import argparse
 import math
+import sys
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -174,17 +174,14 @@ def space_panels(page: Sheet) -> None:
                [cube(transform.transform_points(ghost, corners3), 0.01), arrows((0.3, 0.4, 0.0), spokes, 0.015, BLACK)])  # fmt: skip
 
 
-def main() -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw the sheet."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", "--output", default="transforms.png")
-    parser.add_argument("--width", type=int, default=320, help="of a panel, in pixels")
-    options = parser.parse_args()
-    page = Sheet(options.width, 3 * options.width // 4)
+    width = 96 if small else 320
+    page = Sheet(width, 3 * width // 4)
     plane_panels(page)
     space_panels(page)
-    sheet(page.panels, 5, "Transformations, each by its matrix").save(options.output)
+    sheet(page.panels, 5, "Transformations, each by its matrix").save(target)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1] if len(sys.argv) > 1 else "transforms.png", "--small" in sys.argv)

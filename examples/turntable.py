@@ -1,32 +1,30 @@
-"""The teapot turned once round, three times over: lit from the camera, by its own lamps, and with its own lamps turning with the camera.
+"""A turntable: the teapot once round, as an animated picture, lit from the camera so that every side is bright.
 
-python examples/turntable.py            writes turntable-auto.webp, turntable-world.webp, turntable-camera.webp and turntable.gif
+The extension says the kind of clip: .webp, .gif, .png (animated), .mp4, or a folder of pictures. Lights may stand still in the world, or
+turn with the camera (`lights="world"`, "camera"). `limner turntable MODEL` does it from the shell.
+
+    python examples/turntable.py turntable.webp
 """
 
 from __future__ import annotations
 
-from pathlib import Path
+import sys
 
 import limner
-from limner.produce.turntable import turntable, write_turntable
-
-N_PICTURES = 36
-SIZE = {"width": 320, "height": 240}
 
 
-def main(folder: Path = Path()) -> None:
-    """Write the clips into `folder`."""
+def main(target: str, small: bool = False) -> None:
+    """Write the clip, and tell how much of each picture the pot takes."""
+    n, width, height = (4, 48, 36) if small else (36, 320, 240)
     scene = limner.builtin("teapot")
-    for lights in ("world", "camera"):
-        clip = write_turntable(scene, folder / f"turntable-{lights}.webp", N_PICTURES, fps=15, quality=85, lights=lights, **SIZE)
-        print(f"{clip.path}: {clip.n_pictures} pictures, {clip.path.stat().st_size // 1024} KiB")
-    clip = write_turntable(scene, folder / "turntable.gif", N_PICTURES, fps=15, **SIZE)
-    print(f"{clip.path}: {clip.path.stat().st_size // 1024} KiB in 255 colours")
+    clip = limner.write_turntable(scene, target, n, fps=15, quality=80, width=width, height=height)
+    print(f"{clip.path}: {clip.n_pictures} pictures, {clip.path.stat().st_size // 1024} KiB")
 
     # Pictures can be had one by one, too: how much of each is the teapot, not its floor?
-    pot = [float((image.aov["instance_id"] == 1).mean()) for image in turntable(scene, 8, aovs=("instance_id",), **SIZE)]
+    turned = limner.turntable(scene, 4, width=width, height=height, aovs=("instance_id",))
+    pot = [float((image.aov["instance_id"] == 1).mean()) for image in turned]
     print("the pot takes", ", ".join(f"{share:.0%}" for share in pot), "of the pictures")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1] if len(sys.argv) > 1 else "turntable.webp", "--small" in sys.argv)

@@ -20,8 +20,6 @@ from limner.mesh.unwrap.unwrap import uv_unwrap
 from limner.produce.uv_chart import uv_chart
 from limner.scene.texture import Texels, Texture
 
-SIZE = 600
-
 
 def knot(n_along: int = 240, n_around: int = 24, thickness: float = 0.38) -> Mesh:
     """The trefoil, as a tube."""
@@ -50,18 +48,19 @@ def chessboard(n: int = 64) -> Texture:
     return Texture(Texels(texels))
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Unwrap, draw both, and put them side by side."""
-    mesh = uv_unwrap(knot(), resolution=512)
+    size = 120 if small else 600
+    mesh = uv_unwrap(knot(60, 8) if small else knot(), resolution=512)
     shape = limner.Shape(mesh, (limner.Lambert(texture=chessboard()),))
     camera = limner.Camera.look_at((0, 0, 9), (0, 0, 0), yfov_degrees=45)
     scene = limner.Scene(limner.Node(shapes=(shape,)), camera=camera, background=(1.0, 1.0, 1.0))
-    picture = limner.render(scene, width=SIZE, height=SIZE + SIZE // 12, samples=8)
-    charts = uv_chart(mesh, show="area", size=SIZE, limit=1.25).image()
-    canvas = Canvas(2 * SIZE, picture.height, background="white")
-    canvas.paste(picture, 0, 0).paste(charts, SIZE, 0).image().save(target)
+    picture = limner.render(scene, width=size, height=size + size // 12, samples=8)
+    charts = uv_chart(mesh, show="area", size=size, limit=1.25).image()
+    canvas = Canvas(2 * size, picture.height, background="white")
+    canvas.paste(picture, 0, 0).paste(charts, size, 0).image().save(target)
     print(f"{target}: {len(mesh.triangles)} triangles")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "unwrap.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "unwrap.png", "--small" in sys.argv)

@@ -1,6 +1,6 @@
 """Show what projections do to the same scene (FoCG 7): parallel, oblique, perspective, off centre, cut out, resized, deep and shallow.
 
-    python examples/viewing_projections.py -o viewing_projections.png
+    python examples/viewing_projections.py viewing_projections.png
 
 An oblique projection is a shear of camera space before the orthographic one, so here the whole scene is sheared with the camera's own
 frame around it, ``world_from_camera @ cabinet() @ camera_from_world``.
@@ -8,8 +8,8 @@ frame around it, ``world_from_camera @ cabinet() @ camera_from_world``.
 
 from __future__ import annotations
 
-import argparse
 import math
+import sys
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -102,14 +102,11 @@ def framed(pixels: np.ndarray, left: int, bottom: int, width: int, height: int) 
     return np.asarray(page)
 
 
-def main() -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw the sheet."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", "--output", default="viewing_projections.png")
-    parser.add_argument("--width", type=int, default=320, help="of a panel, in pixels")
-    options = parser.parse_args()
-    sheet(panels(options.width, 3 * options.width // 4), 5, "One scene, many projections").save(options.output)
+    width = 96 if small else 320
+    sheet(panels(width, 3 * width // 4), 5, "One scene, many projections").save(target)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1] if len(sys.argv) > 1 else "viewing_projections.png", "--small" in sys.argv)

@@ -1,6 +1,6 @@
 """Show a cube in every space that it passes on its way to the picture (FoCG 7): object, world, camera, clip, NDC, raster, pixels.
 
-    python examples/viewing_spaces.py -o viewing_spaces.png
+    python examples/viewing_spaces.py viewing_spaces.png
 
 The orange frame is what the camera sees: a truncated pyramid in the world, and the canonical cube after the divide. The red ball is
 one corner of the cube; what happens to its numbers stands in the last panel, as `camera.explain` tells it.
@@ -8,7 +8,7 @@ one corner of the cube; what happens to its numbers stands in the last panel, as
 
 from __future__ import annotations
 
-import argparse
+import sys
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -159,15 +159,12 @@ def numbers(width: int, height: int) -> np.ndarray:
     return np.asarray(page)
 
 
-def main() -> None:
+def main(target: str, small: bool = False) -> None:
     """Draw the sheet."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", "--output", default="viewing_spaces.png")
-    parser.add_argument("--width", type=int, default=400, help="of a panel, in pixels")
-    options = parser.parse_args()
-    sheet(panels(options.width, 3 * options.width // 4), 4, "From the object to the picture").save(options.output)
+    width = 96 if small else 400
+    sheet(panels(width, 3 * width // 4), 4, "From the object to the picture").save(target)
     print(point_to_pixel(CAMERA, OBJECT[CORNER], N_X, N_Y, world_from_object=WORLD_FROM_OBJECT))
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1] if len(sys.argv) > 1 else "viewing_spaces.png", "--small" in sys.argv)

@@ -11,13 +11,11 @@ from __future__ import annotations
 
 import sys
 
-import numpy as np
-
 import limner
 from limner.color.views import VIEWS
+from limner.draw.canvas import Canvas
 from limner.linear import transform
 
-WIDTH, HEIGHT = 256, 176
 COLORS = ((1.0, 0.02, 0.01), (1.0, 0.3, 0.02), (0.05, 1.0, 0.05), (0.02, 0.05, 1.0), (1.0, 1.0, 1.0))
 STEP = 1.1  # from lamp to lamp
 
@@ -39,14 +37,18 @@ def scene() -> limner.Scene:
     return limner.Scene(root=limner.Node(children=(wall, *lamps)), camera=camera)
 
 
-def main(target: str) -> None:
+def main(target: str, small: bool = False) -> None:
     """Render once, and save all views side by side."""
-    light = limner.render(scene(), width=WIDTH, height=HEIGHT, renderer="path", samples=32, denoise="filter")
-    shown = [light.viewed(view).pixels for view in VIEWS if view != "none"]
-    sheet = np.concatenate([np.concatenate(shown[k : k + 4], axis=1) for k in (0, 4)], axis=0)
-    limner.Image(np.clip(sheet, 0.0, 1.0)).save(target)
+    width, height, samples = (64, 44, 4) if small else (256, 176, 32)
+    light = limner.render(scene(), width=width, height=height, renderer="path", samples=samples, denoise="filter")
+    views = [view for view in VIEWS if view != "none"]
+    sheet = Canvas(4 * width, 2 * height, "black")
+    for k, view in enumerate(views):
+        x, y = k % 4 * width, k // 4 * height
+        sheet.paste(light.viewed(view), x, y).text(x + width / 2, y + height - 8, view, "white", 13, "center")
+    sheet.image().save(target)
     print(f"{target}: {', '.join(view for view in VIEWS if view != 'none')}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "views.png")
+    main(sys.argv[1] if len(sys.argv) > 1 else "views.png", "--small" in sys.argv)

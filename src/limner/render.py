@@ -50,7 +50,7 @@ from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.framing import with_defaults
 from .scene.lamp import lights_in_solids, with_lamps
-from .scene.material import Dielectric
+from .scene.material import Dielectric, Material
 from .scene.pose import animated, at, posed
 from .scene.scene import Scene
 from .tables.build import Built, View, flatten, media_table, names, view
@@ -877,10 +877,15 @@ def _checked_shutter(shutter: tuple[float, float] | None, renderer: str, time: f
     return opens, closes
 
 
+def _lets_light_through(material: Material) -> bool:
+    transmission = getattr(material, "transmission", None)
+    return isinstance(material, Dielectric) or (transmission is not None and transmission.factor > 0.0)
+
+
 def _left_out(scene: Scene) -> list[str]:
     """What the rasteriser does not show of a scene, a sentence each."""
     said = []
-    if any(isinstance(material, Dielectric) for _, shape in scene.shapes() for material in shape.materials):
+    if any(_lets_light_through(material) for _, shape in scene.shapes() for material in shape.materials):
         said.append("raster cannot bend light: glass is drawn as a veil; ray and path follow light through it")
     if scene.fog is not None:
         said.append("raster has no fog; ray and path have")

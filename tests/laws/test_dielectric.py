@@ -7,8 +7,11 @@ import pytest
 from compiled import over
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
+from staging import SLOW_AS_PYTHON
 
 from limner.shading.dielectric import fresnel, meet_interface, reflectance, refract, straight_transmittance
+from limner.shading.frosted import walk_interface
 from limner.tables.layouts import EXACT, SCHLICK
 
 N = np.array((0.0, 0.0, 1.0))
@@ -130,3 +133,60 @@ def test_a_leaning_normal_sends_no_light_to_the_wrong_side():
         np.testing.assert_allclose(share_r + share_t, 1.0, atol=1e-5)
 
 
+
+
+def _spread(n: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As much light from every direction of the upper side: rays, squared cosines, and two numbers each."""
+    square, turn, u, v = np.random.default_rng(seed).random((4, n))
+    sine, phi = np.sqrt(1 - square), 2 * np.pi * turn
+    return np.stack([sine * np.cos(phi), sine * np.sin(phi), -np.sqrt(square)], axis=1), square, np.stack([u, v])
+
+
+@SLOW_AS_PYTHON
+@pytest.mark.parametrize("kind", [EXACT, SCHLICK])
+@pytest.mark.parametrize("roughness", [0.1, 0.5, 1.0])
+def test_light_that_walks_over_a_frosted_surface_leaves_it(kind, roughness):
+    """Furnace: whatever the index and the angle, one way carries all; single facets keep as little as half, and little is lost to them."""
+    d, _, (u, v) = _spread(4000, 11)
+    for n_i, n_t in ((1.0, 1.1), (1.0, 2.0), (1.1, 1.0), (1.5, 1.0), (2.0, 1.0)):
+        r, share_r, t, share_t = over(walk_interface, kind, roughness**2, N, N, d, n_i, n_t, u, v)
+        assert (share_r + share_t).mean(dtype=np.float64) > 0.999
+        assert set(np.unique(share_r)) <= {0.0, 1.0}
+        assert (r[share_r > 0, 2] > 0).all()
+        assert (t[share_t > 0, 2] < 0).all()
+        np.testing.assert_allclose(np.linalg.norm(np.where(share_r[:, None] > 0, r, t), axis=1), 1.0, atol=1e-5)
+        once_r, once_t = (over(meet_interface, kind, roughness**2, N, N, d, n_i, n_t, u, v)[k].mean(dtype=np.float64) for k in (1, 3))
+        error = 3 / np.sqrt(len(d))
+        assert share_r.mean() > once_r - error
+        assert share_t.mean() > once_t - error
+
+
+@SLOW_AS_PYTHON
+def test_a_walk_is_as_likely_there_as_back():
+    """Helmholtz: from every fifth of the light of either side to every other goes as much as back, of both sides' n^2 as light is squeezed.
+
+    z-scores of the differences of counts, reflected and refracted, are as far spread as chance has them.
+    """
+    n, fifths = 100_000, 5
+    flow = np.zeros((2 * fifths, 2 * fifths))
+    squared = np.zeros_like(flow)
+    for side, (n_i, n_t) in enumerate(((1.0, 1.5), (1.5, 1.0))):
+        d, square, (u, v) = _spread(n, 5 + side)
+        r, share_r, t, share_t = over(walk_interface, EXACT, 0.64, N, N, d, n_i, n_t, u, v)
+        start = side * fifths + np.minimum((square * fifths).astype(int), fifths - 1)
+        for way, share, other in ((r, share_r, side), (t, share_t, 1 - side)):
+            end = other * fifths + np.minimum((way[:, 2].astype(np.float64) ** 2 * fifths).astype(int), fifths - 1)
+            np.add.at(flow, (start, end), share * n_i**2)
+            np.add.at(squared, (start, end), share * n_i**4)
+    upper = np.triu_indices(2 * fifths, 1)
+    z = ((flow - flow.T) / np.sqrt(squared + squared.T))[upper]
+    assert flow[upper].min() > 50
+    assert stats.chi2.sf(np.sum(z**2), len(z)) > 1e-3
+
+
+def test_a_walk_between_equal_indices_goes_straight_on():
+    """Facets that bend nothing are not there."""
+    d, _, (u, v) = _spread(60, 2)
+    _, _, t, share = over(walk_interface, EXACT, 0.5, N, N, d, 1.3, 1.3, u, v)
+    assert share.mean() > 0.95
+    np.testing.assert_allclose(t[share > 0], d[share > 0], atol=2e-5)

@@ -19,7 +19,7 @@ from limner.shading.iridescence import film_reflectance
 from limner.shading.layered import far_side
 from limner.shading.layers import Layered  # noqa: F401 - its room belongs to the doors of these tests
 from limner.shading.lobes import Bsdf, Layers
-from limner.shading.oren_nayar import eval_oren_nayar
+from limner.shading.oren_nayar import eval_oren_nayar, rough_matte_sent_on
 from limner.shading.sample import pdf_bsdf, sample_bsdf
 from limner.shading.sheen import eval_sheen, sheen_sent_on
 from limner.tables.layouts import ANISOTROPY, COAT, COMPENSATED, CONDUCTOR, FILM, SHEEN, SHEET, SPECULAR_LAYER
@@ -190,7 +190,7 @@ def test_metals_reflect_what_was_measured():
     for metal, known in (("silver", (0.98, 0.97, 0.95)), ("gold", (0.94, 0.74, 0.39)), ("aluminium", (0.91, 0.92, 0.92))):
         m = Conductor.named(metal)
         straight = over(conductor_reflectance, np.array([m.eta]), m.k, 1.0)[0]
-        np.testing.assert_allclose(straight, known, atol=0.03)
+        np.testing.assert_allclose(straight, known, atol=0.04)  # as far apart as films of different makers are
 
 
 def airy(n_film: float, n_base: float, nanometres: float, cosine: float, wavelengths: np.ndarray) -> np.ndarray:
@@ -237,4 +237,7 @@ def test_a_rough_matte_ball_is_as_bright_at_its_edge():
     np.testing.assert_allclose(smooth, cos, rtol=1e-5)
     assert rough[0] / rough[2] > 2 * smooth[0] / smooth[2]
     d, solid = hemisphere(80)
-    assert (over(eval_oren_nayar, WHITE, np.full(len(d), 0.6), UP, d, towards(0.5))[:, 0] * solid).sum() < 1.0
+    for sigma, cosine in ((0.6, 0.5), (0.3, 0.15), (1.2, 0.9)):
+        sent = (over(eval_oren_nayar, WHITE, np.full(len(d), sigma), UP, d, towards(cosine))[:, 0] * solid).sum()
+        assert sent < 1.0
+        assert over(rough_matte_sent_on, np.array([sigma]), cosine)[0] == pytest.approx(sent, rel=5e-3)

@@ -2,7 +2,8 @@
 
 Pieces of one kind whose ends meet are one chain; where more than two meet, those go on into each other that turn least. A chain is parted
 where the number of surfaces in front of it changes, and where it leaves the picture. Parts too short to be seen take the number of the
-part beside them: dense meshes fold by less than a pixel at their outline.
+part beside them: dense meshes fold by less than a pixel at their outline. What is left of the folds of a rough surface, too short for a
+dash, is left out, as are points without which a stroke looks the same.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .sight_lines import SightLines
+from .simplify import points_that_show
 from .visibility import Parts, Thrown
 
 __all__ = ["Stroke", "strokes_of"]
@@ -21,7 +23,11 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
-_LEAST_SMOOTH = 3.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_LEAST_SMOOTH = 2.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
+_LEAST_DASH = 4.0  # pixels: of parts of these that are hidden
+_LEAST_SEEN = 1.0  # pixels: of whole chains of these that are seen
+_SPECK = 0.1  # of all lines of a shape: what is longer is no speck of it
+_SAME = 0.1  # pixels that a stroke may stray for having fewer points
 _STAR = 32  # lines that meet in a point: more are rays of a star, each of which is a stroke
 _PASSES = 4  # in which short parts give way to those beside them
 
@@ -60,14 +66,14 @@ class _Path(NamedTuple):
     least: Floats
 
 
-def strokes_of(found: Thrown, parts: Parts, sight: SightLines, smooth: int) -> list[Stroke]:
-    """Join what visibility has parted; `smooth` is the kind of silhouettes that run beside those of the mesh."""
+def strokes_of(found: Thrown, parts: Parts, sight: SightLines, smooth: NDArray[np.bool_]) -> list[Stroke]:
+    """Join what visibility has parted; `smooth`, (k,), says which lines are silhouettes that run beside those of the mesh."""
     if not len(parts.line):
         return []
     chains = _chains_of(found)
     path = _path_of(found, parts, chains, smooth)
     path = _merged(path._replace(hidden_by=_without_short(path)))
-    return _strokes(found, path, chains, sight)
+    return _simplified(_strokes(found, _without_specks(found, path), chains, sight))
 
 
 # --- which pieces follow each other ---------------------------------------------------------------------------------------
@@ -152,7 +158,7 @@ def _pair_straightest(lines: Floats, ends: Indices, partner: Indices) -> None:
 # --- their parts, one after the other -------------------------------------------------------------------------------------
 
 
-def _path_of(found: Thrown, parts: Parts, chains: _Chains, smooth: int) -> _Path:
+def _path_of(found: Thrown, parts: Parts, chains: _Chains, smooth: NDArray[np.bool_]) -> _Path:
     n = len(found.segments.kind)
     first = np.searchsorted(parts.line, np.arange(n + 1))
     count = np.diff(first)[chains.piece]
@@ -169,7 +175,7 @@ def _path_of(found: Thrown, parts: Parts, chains: _Chains, smooth: int) -> _Path
     goes_on[1:] = (chain[1:] == chain[:-1]) & (same | ((of[1:] == of[:-1] + 1) & whole_end[:-1] & whole_start[1:]))
     way = found.lines[line, 1, :2] - found.lines[line, 0, :2]
     length = np.hypot(way[:, 0], way[:, 1]) * np.abs(span[:, 1] - span[:, 0])
-    least = np.where(found.segments.kind[line] == smooth, _LEAST_SMOOTH, _LEAST)
+    least = np.where(smooth[line], _LEAST_SMOOTH, _LEAST)
     return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, least)
 
 
@@ -208,6 +214,23 @@ def _merged(path: _Path) -> _Path:
         path.line[first], span, path.hidden_by[first], path.chain[first], path.joined[first], np.add.reduceat(path.length, first),
         path.least[first],
     )  # fmt: skip
+
+
+def _without_specks(found: Thrown, path: _Path) -> _Path:
+    """Leave out chains, and hidden parts, of smooth silhouettes that are too short to be seen, if their shape has more to show: of what
+    is seen little, for a short piece may close a gap."""
+    instance = found.segments.instance[path.line]
+    whole = np.bincount(instance, path.length)[instance]
+    begins = ~path.joined.copy()
+    begins[1:] |= path.hidden_by[1:] != path.hidden_by[:-1]
+    run = np.cumsum(begins) - 1
+    length = np.bincount(run, path.length)[run]
+    chain = np.bincount(path.chain, path.length)[path.chain]
+    short = np.where(path.hidden_by > 0, length < _LEAST_DASH, chain < _LEAST_SEEN)
+    kept = ~short | (path.least == _LEAST) | (chain > _SPECK * whole)
+    joined = path.joined.copy()
+    joined[1:] &= kept[:-1]
+    return _Path(*(column[kept] for column in path._replace(joined=joined)))
 
 
 # --- strokes --------------------------------------------------------------------------------------------------------------
@@ -249,6 +272,18 @@ def _strokes(found: Thrown, path: _Path, chains: _Chains, sight: SightLines) -> 
             )
         )
     return made
+
+
+def _simplified(strokes: list[Stroke]) -> list[Stroke]:
+    """Without points that do not show."""
+    if not strokes:
+        return strokes
+    count = np.array([len(stroke.depth) for stroke in strokes])
+    kept = np.split(points_that_show(np.concatenate([stroke.picture for stroke in strokes]), count, _SAME), np.cumsum(count)[:-1])
+    return [
+        stroke._replace(picture=stroke.picture[rows], depth=stroke.depth[rows], world=stroke.world[rows])
+        for stroke, rows in zip(strokes, kept, strict=True)
+    ]
 
 
 def _points(found: Thrown, line: Indices, t: Floats, sight: SightLines) -> tuple[Floats, Floats, Floats]:

@@ -2,7 +2,8 @@
 
 A fold of a design runs on: round a hole, or from one corner to another. Where a surface is only rough, single edges turn by more than any
 angle that one may choose, here and there. So creases that hang together are looked at as one, in space, which is why a moving camera
-does not make them flicker: they stay where they are a ring, end on other lines, or are long for the object that they are on.
+does not make them flicker: they stay where they are a ring, end on other lines, or are long for the object that they are on. Hairs that
+stand off a fold, and end in the open, are roughness, too.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 _SHORT = 0.04  # of the object's extent
+_SHAVES = 3  # times that hairs are taken away, for hairs stand on hairs
 
 
 def lasting(points: NDArray[np.float64], edges: NDArray[np.int32], creased: Flags, firm: Flags, extents: NDArray[np.float64]) -> Flags:
@@ -37,13 +39,31 @@ def lasting(points: NDArray[np.float64], edges: NDArray[np.int32], creased: Flag
     -------
     (k,) bool
     """
+    made = creased.copy()
+    length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    for _ in range(_SHAVES):
+        lines_at = np.bincount(edges[made | firm].reshape(-1), minlength=len(points))
+        hairs = _loose(edges, made, lines_at, length, extents, lines_at == 2)
+        if not hairs.any():
+            break
+        made &= ~hairs
+    lines_at = np.bincount(edges[made | firm].reshape(-1), minlength=len(points))
+    return made & ~_loose(edges, made, lines_at, length, extents, np.ones(len(points), dtype=bool))
+
+
+def _loose(
+    edges: NDArray[np.int32], creased: Flags, lines_at: Indices, length: NDArray[np.float64], extents: NDArray[np.float64], through: Flags
+) -> Flags:
+    """(k,) bool: creases that hang together through points, (n,), are short, and end somewhere in the open."""
     rows = np.flatnonzero(creased)
-    a, b = edges[rows].T
-    lines_at = np.bincount(edges[creased | firm].reshape(-1), minlength=len(points))
-    component = component_labels(len(points), a, b)[a]
-    loose = np.zeros(len(points), dtype=bool)
-    loose[component[(lines_at[a] < 2) | (lines_at[b] < 2)]] = True
-    length = np.bincount(component, np.linalg.norm(points[a] - points[b], axis=1), len(points))
+    ends = edges[rows]
+    at = np.argsort(ends.reshape(-1), kind="stable")
+    point = ends.reshape(-1)[at]
+    linked = (point[1:] == point[:-1]) & through[point[1:]]
+    chain = component_labels(len(rows), at[:-1][linked] >> 1, at[1:][linked] >> 1)
+    long = np.bincount(chain, length[rows], len(rows)) >= _SHORT * extents[rows]
+    open_end = np.zeros(len(rows), dtype=bool)
+    open_end[chain[(lines_at[ends] < 2).any(axis=1)]] = True
     made = np.zeros(len(edges), dtype=bool)
-    made[rows] = ~loose[component] | (length[component] >= _SHORT * extents[rows])
+    made[rows] = open_end[chain] & ~long[chain]
     return made

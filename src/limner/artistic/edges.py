@@ -1,14 +1,14 @@
-"""Which edges of triangles are lines of a drawing (FoCG 10.3.1): silhouettes, boundaries, creases, material and uv seams.
+"""Which edges of triangles are lines of a drawing whatever the eye sees (FoCG 10.3.1): boundaries, creases, material and uv seams.
 
-              n0     n1                       n0 . e > 0: this side faces the eye
+              n0     n1
                \\     /
-          ______\\ | /______                  an edge is a silhouette where one side faces the eye and the other does not,
-                 \\|/                         (e . n0)(e . n1) <= 0; a crease where n0 and n1 differ by more than an angle
+          ______\\ | /______                  an edge is a crease where n0 and n1 differ by more than an angle, and a boundary where
+                 \\|/                         there is one side only
                  edge
 
-A triangle that is seen edge-on counts as facing away, so that of a box seen from the front one side of each edge does, and not both.
+Which of them the surface turns away at, and so are silhouettes, says `outlines`.
 
-**Source**: FoCG 10.3.1; the summary's test.
+**Source**: FoCG 10.3.1.
 """
 
 from __future__ import annotations
@@ -23,16 +23,14 @@ from ..mesh.adjacency import Adjacency, adjacency_of_triangles
 from ..mesh.normals import inner, triangle_vectors
 from .creases import lasting
 from .segments import ROUNDING, Segments
-from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 
-__all__ = ["Faces", "Wanted", "edge_segments", "faces_of"]
+__all__ = ["EdgeKinds", "Faces", "Wanted", "edge_kinds", "edge_segments", "faces_of"]
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-_EDGE_ON = 1e-7  # sine of the angle between a triangle and the ray to the eye: what rounding to float32 leaves of 0
 _SLIVER = 1e-6  # height by longest side of a triangle whose normal is noise
 
 
@@ -44,27 +42,38 @@ class Faces(NamedTuple):
     adjacency : Adjacency
     normals : (m, 3) float64
         Unit; of a sliver that of its neighbour across its longest side.
-    facing : (m,) int64
-        1: towards the eye, -1: away, 0: edge-on.
     """
 
     adjacency: Adjacency
     normals: Floats
-    facing: Indices
 
 
 class Wanted(NamedTuple):
     """Rows of the kinds of lines among those of a drawing; -1: not asked for. The first that an edge fits is what it is."""
 
     boundary: int
-    silhouette: int
     crease: int
     material: int
     uv_seam: int
 
 
-def faces_of(surfaces: Surfaces, sight: SightLines) -> Faces:
-    """Find which triangles touch, and which way they face."""
+class EdgeKinds(NamedTuple):
+    """What the edges of an adjacency are.
+
+    Attributes
+    ----------
+    kind : (k,) int64
+        -1: no line that was asked for.
+    sharp : (k,) bool
+        Creases, asked for or not, and all edges at which not two triangles meet: there the surface is not smooth.
+    """
+
+    kind: Indices
+    sharp: Flags
+
+
+def faces_of(surfaces: Surfaces) -> Faces:
+    """Find which triangles touch, and their normals."""
     adjacency = adjacency_of_triangles(surfaces.triangles, len(surfaces.points))
     e, f, g, across = triangle_vectors(surfaces.points, surfaces.triangles)
     double_area = np.sqrt(inner(across, across))
@@ -72,35 +81,30 @@ def faces_of(surfaces: Surfaces, sight: SightLines) -> Faces:
     sliver = double_area <= _SLIVER * sides.max(axis=1, initial=0.0)
     scale = np.where(sliver, 0.0, 1.0 / np.where(sliver, 1.0, double_area))
     normals = np.stack(across, axis=1) * scale[:, None]
-    towards = sight.towards(surfaces.points[surfaces.triangles[:, 0]]) if len(normals) else np.zeros((0, 3))
-    length = np.sqrt((towards * towards).sum(axis=1))
-    cosine = (normals * towards).sum(axis=1)
-    facing = (cosine > _EDGE_ON * length).astype(np.int64) - (cosine < -_EDGE_ON * length)
     if sliver.any():
-        _borrow(adjacency, sides, np.flatnonzero(sliver), sliver, normals, facing)
-    return Faces(adjacency, normals, facing)
+        _borrow(adjacency, sides, np.flatnonzero(sliver), sliver, normals)
+    return Faces(adjacency, normals)
 
 
-def _borrow(adjacency: Adjacency, sides: Floats, rows: Indices, sliver: Flags, normals: Floats, facing: Indices) -> None:
-    """Give slivers what their neighbour across the longest side has; twice, for slivers lie beside slivers."""
+def _borrow(adjacency: Adjacency, sides: Floats, rows: Indices, sliver: Flags, normals: Floats) -> None:
+    """Give slivers the normal of their neighbour across the longest side; twice, for slivers lie beside slivers."""
     for _ in range(2):
         half_edge = 3 * rows + sides[rows].argmax(axis=1)
         beside = adjacency.opposite[half_edge]
         known = (beside >= 0) & ~sliver[beside // 3]
         mine, other = rows[known], beside[known] // 3
-        normals[mine], facing[mine] = normals[other], facing[other]
+        normals[mine] = normals[other]
         sliver[mine] = False
         rows = rows[~known]
 
 
-def edge_segments(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees: float) -> Segments:
-    """The edges that are lines of a drawing, each once."""
-    kind = _kinds_of(surfaces, faces, _beside(faces.adjacency), wanted, crease_degrees)
-    found = np.flatnonzero(kind >= 0)
+def edge_segments(surfaces: Surfaces, faces: Faces, kinds: EdgeKinds, chosen: Flags) -> Segments:
+    """Those of the chosen edges, (k,), that are lines of a drawing."""
+    found = np.flatnonzero((kinds.kind >= 0) & chosen)
     ends = surfaces.points[faces.adjacency.edges[found]]
     none = np.full((len(found), 2), -1, dtype=np.int64)
     slack, own = np.full(len(found), ROUNDING * surfaces.extent), np.zeros(len(found), dtype=np.int64)
-    return Segments(kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
+    return Segments(kinds.kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
 
 
 class _Beside(NamedTuple):
@@ -120,26 +124,25 @@ def _beside(adjacency: Adjacency) -> _Beside:
     return _Beside(one, other, count, start[one] != start[other])
 
 
-def _kinds_of(surfaces: Surfaces, faces: Faces, beside: _Beside, wanted: Wanted, crease_degrees: float) -> Indices:
-    """(k,) int64: of what kind each edge is; -1: it is no line."""
+def edge_kinds(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees: float) -> EdgeKinds:
+    """Of what kind each edge is, whichever way it is seen."""
+    beside = _beside(faces.adjacency)
     one, other, count, alike = beside
     s, t = one // 3, other // 3
     paired = count == 2
     kind = np.full(len(count), -1, dtype=np.int64)
+    creased = _creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))
     # What comes later counts more.
     if wanted.uv_seam >= 0:
         kind[paired & _torn(surfaces, one, other, alike)] = wanted.uv_seam
     if wanted.material >= 0:
         kind[paired & (surfaces.material[s] != surfaces.material[t])] = wanted.material
     if wanted.crease >= 0:
-        kind[_creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))] = wanted.crease
-    if wanted.silhouette >= 0:
-        facing = np.where(alike, faces.facing[t], -faces.facing[t])
-        kind[paired & ((faces.facing[s] > 0) != (facing > 0))] = wanted.silhouette
+        kind[creased] = wanted.crease
     if wanted.boundary >= 0:
         kind[count == 1] = wanted.boundary
     kind[~surfaces.bounded[s]] = -1
-    return kind
+    return EdgeKinds(kind, creased | ~paired)
 
 
 def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) -> Flags:
@@ -148,16 +151,16 @@ def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) ->
     cosine = (faces.normals[one // 3] * faces.normals[other // 3]).sum(axis=1) * np.where(alike, 1.0, -1.0)
     paired = (count == 2) & (cosine < limit)
     exact = paired & surfaces.exact[one // 3]
-    paired[exact] = _bent(surfaces, one[exact], other[exact], limit)
+    paired[exact] = _bent(surfaces, faces.adjacency, one[exact], other[exact], limit)
     extents = _extents(surfaces)[surfaces.instance[one // 3]]
     return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents)
 
 
-def _bent(surfaces: Surfaces, one: NDArray[np.int32], other: NDArray[np.int32], limit: float) -> Flags:
+def _bent(surfaces: Surfaces, adjacency: Adjacency, one: NDArray[np.int32], other: NDArray[np.int32], limit: float) -> Flags:
     """Of some edges of exact shapes, whether the shape bends there, and not only the triangles that stand for it."""
     if not len(one):
         return np.zeros(0, dtype=bool)
-    normals = corner_normals(surfaces).reshape(-1, 3)
+    normals = corner_normals(surfaces, adjacency, adjacency.edge_counts != 2).reshape(-1, 3)
     after, before = (np.where(k % 3 == 2, k - 2, k + 1) for k in (one, other))
     first, second = ((normals[p] * normals[q]).sum(axis=1) for p, q in ((one, before), (after, other)))
     return np.asarray((first < limit) | (second < limit))

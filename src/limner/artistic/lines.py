@@ -5,8 +5,8 @@
         line.kind, line.picture, line.hidden_by          # "silhouette", (n, 2) pixels from the top left corner, 0: it is seen
 
 A photograph shows every point alike; a drawing shows the few curves from which the eye knows the shape. Each is found on the surface
-(`edges`, `contours`, `intersections`), thrown on the picture, and cut exactly where something in front begins or ends to hide it
-(`visibility`): there is no grid of samples, and so no jagged ends. What is left is joined to long strokes (`chain`).
+(`outlines`, `edges`, `contours`, `intersections`), thrown on the picture, and cut exactly where something in front begins or ends to hide
+it (`visibility`): there is no grid of samples, and so no jagged ends. What is left is joined to long strokes (`chain`).
 """
 
 from __future__ import annotations
@@ -26,12 +26,14 @@ from ..scene.framing import with_defaults
 from ..scene.scene import Scene
 from ..tiles import Cancel, Cancelled
 from .chain import Stroke, strokes_of
-from .contours import smooth_silhouettes, suggestive_contours
+from .contours import suggestive_contours
 from .doubles import without_doubles
-from .edges import Wanted, edge_segments, faces_of
+from .edges import Wanted, edge_kinds, edge_segments, faces_of
 from .intersections import intersection_segments
-from .segments import Segments, joined
+from .outlines import outlines
+from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines, sight_lines
+from .stitches import StitchKinds, stitched
 from .surfaces import Surfaces, surfaces_of
 from .visibility import hiding_triangles, parts_of, thrown
 
@@ -46,6 +48,7 @@ KINDS: tuple[LineKind, ...] = (
 DEFAULT_KINDS: tuple[LineKind, ...] = ("silhouette", "crease", "boundary", "material", "intersection")
 
 _LEAST_SUGGESTION = 8.0  # pixels
+_LEAST = 0.1  # pixels: what is shorter would be a dot, as wide as the pen
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +158,9 @@ def drawing_of(
     Notes
     -----
     Exact shapes are drawn by the triangles that stand for them, a tenth of a pixel from their surface; infinite planes have no lines but
-    those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn.
+    those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn, for as long as it is
+    there. A "silhouette" is smooth where triangles are too small to be told from the smooth surface that they stand for, and runs along
+    edges elsewhere; a "smooth_silhouette" is smooth everywhere. Strokes have the points that they need to be right to a tenth of a pixel.
 
     **Source**: FoCG 10.3.1.
     """
@@ -178,10 +183,11 @@ def drawing_of(
     surfaces = surfaces_of(scene, standing, width, height)
     report(0.1)
     sight = sight_lines(standing, width, height, surfaces.points)
-    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight))
+    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight), sight)
     report(0.5)
     parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
-    strokes = strokes_of(found, parts, sight, numbers["smooth_silhouette"])
+    silhouettes = np.isin(found.segments.kind, (numbers["silhouette"], numbers["smooth_silhouette"]))
+    strokes = strokes_of(found, parts, sight, silhouettes & (found.segments.slack > 2.0 * ROUNDING * surfaces.extent))
     lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())
@@ -202,24 +208,31 @@ def _segments_of(
     surfaces: Surfaces, sight: SightLines, numbers: dict[LineKind, int], crease_degrees: float, report: Callable[[float], object]
 ) -> Segments:
     """All pieces of lines, whatever hides them."""
-    wanted = Wanted(*(numbers[kind] for kind in ("boundary", "silhouette", "crease", "material", "uv_seam")))
-    parts = []
-    faces = faces_of(surfaces, sight)
+    wanted = Wanted(*(numbers[kind] for kind in ("boundary", "crease", "material", "uv_seam")))
+    faces = faces_of(surfaces)
+    edges = edge_kinds(surfaces, faces, wanted, crease_degrees)
     report(0.25)
-    if max(wanted) >= 0:
-        parts.append(edge_segments(surfaces, faces, wanted, crease_degrees))
-    if numbers["smooth_silhouette"] >= 0:
-        parts.append(smooth_silhouettes(surfaces, faces.adjacency, sight, numbers["smooth_silhouette"]))
+    where_solids_meet = StitchKinds(numbers["silhouette"], numbers["crease"], numbers["boundary"])
+    seams, replaced = stitched(surfaces, faces, edges.sharp, sight, where_solids_meet, crease_degrees)
+    parts, free = [seams], np.ones(len(edges.kind), dtype=bool)
+    for kind in ("silhouette", "smooth_silhouette"):
+        if numbers[kind] >= 0:
+            found = outlines(surfaces, faces, sight, edges, numbers[kind], smooth=kind == "smooth_silhouette")
+            # An edge that both have a part in is one line, that of the first.
+            rest = [] if not free.all() else [found.rest]
+            parts += [found.segments, *rest]
+            free &= found.free
+    parts.append(edge_segments(surfaces, faces, edges, free & ~replaced))
     if numbers["intersection"] >= 0:
         parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
     if numbers["suggestive_contour"] >= 0:
-        parts.append(suggestive_contours(surfaces, sight, numbers["suggestive_contour"]))
+        parts.append(suggestive_contours(surfaces, faces.adjacency, sight, numbers["suggestive_contour"]))
     return joined(parts)
 
 
 def _is_hair(line: FeatureLine) -> bool:
-    """Whether it is too short to suggest anything; what is no mere suggestion stays, however short."""
-    return line.kind == "suggestive_contour" and line.length < _LEAST_SUGGESTION
+    """Whether it is too short to be seen, or, of a mere suggestion, to suggest anything."""
+    return line.length < (_LEAST_SUGGESTION if line.kind == "suggestive_contour" else _LEAST)
 
 
 def _line_of(stroke: Stroke) -> FeatureLine:

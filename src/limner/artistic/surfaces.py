@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..linear.transform import normal_matrix
+from ..mesh.adjacency import Adjacency, following
+from ..mesh.components import component_labels
 from ..mesh.mesh import Mesh
 from ..mesh.normals import vertex_normals
 from ..mesh.weld import welded
@@ -147,20 +149,24 @@ def _extent(points: Floats, triangles: Indices) -> float:
     return float(np.linalg.norm(held.max(axis=0) - held.min(axis=0)))
 
 
-def corner_normals(surfaces: Surfaces) -> Floats:
+def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Floats:
     """(m, 3, 3) float64: the normals of the smooth surface at the corners, unit, in the world; 0 where there is none.
 
-    Those that a mesh came with; where it has none, those of its triangles, weighted by their angles.
+    Those that a mesh came with; where it has none, those of the triangles round the corner, weighted by their angles, as far as one comes
+    without crossing an edge that is `sharp`, (k,) of the adjacency's.
     """
     made = np.zeros((len(surfaces.triangles), 3, 3))
     first = np.searchsorted(surfaces.instance, np.arange(len(surfaces.shapes) + 1))
+    groups: Indices | None = None
     for number, (mesh, matrix) in enumerate(surfaces.shapes):
         rows = slice(int(first[number]), int(first[number + 1]))
         triangles = surfaces.triangles[rows]
         kept = _kept(mesh, len(triangles))
         if mesh.normals is None or kept is None:
-            names, local = np.unique(triangles, return_inverse=True)
-            made[rows] = vertex_normals(surfaces.points[names], local.reshape(-1, 3))[local.reshape(-1, 3)]
+            groups = _smooth_groups(adjacency, sharp) if groups is None else groups
+            _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
+            local = local.reshape(-1, 3)
+            made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local)[local]
             continue
         corners = (mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles)[kept]
         if np.linalg.det(matrix[:3, :3]) < 0.0:
@@ -168,6 +174,29 @@ def corner_normals(surfaces: Surfaces) -> Floats:
         made[rows] = (mesh.normals @ normal_matrix(matrix).T)[corners]
     length = np.linalg.norm(made, axis=2, keepdims=True)
     return made / np.where(length > 0.0, length, 1.0)
+
+
+def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
+    """(m, 3): numbers of corners, one for those in one place between which no sharp edge lies."""
+    vertex = adjacency.triangles.reshape(-1).astype(np.int64)
+    split = np.zeros(adjacency.n_vertices, dtype=bool)
+    split[adjacency.edges[sharp]] = True
+    picked = np.flatnonzero(split[vertex])
+    number = np.full(len(vertex), -1, dtype=np.int64)
+    number[picked] = np.arange(len(picked))
+    edge = np.flatnonzero(~sharp & (adjacency.edge_counts == 2))
+    start = adjacency.edge_start[edge]
+    one, other = adjacency.edge_halfedges[start], adjacency.edge_halfedges[start + 1]
+    # Of half-edges that run against each other the one begins where the other ends.
+    alike = vertex[one] != vertex[other]
+    after_one, after_other = following(one), following(other)
+    a = np.concatenate([one, after_one])
+    b = np.concatenate([np.where(alike, after_other, other), np.where(alike, other, after_other)])
+    a, b = number[a], number[b]
+    label = component_labels(len(picked), a[a >= 0], b[a >= 0])
+    made = vertex.copy()
+    made[picked] = adjacency.n_vertices + label
+    return made.reshape(-1, 3)
 
 
 def _kept(mesh: Mesh, n_triangles: int) -> NDArray[np.bool_] | None:

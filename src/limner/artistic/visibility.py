@@ -31,7 +31,7 @@ from .segments import Segments
 from .sight_lines import SightLines
 from .surfaces import Surfaces
 
-__all__ = ["Parts", "Thrown", "hiding_triangles", "parts_of", "thrown"]
+__all__ = ["Grid", "Parts", "Thrown", "grid_of", "hiding_triangles", "parts_of", "thrown"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -143,7 +143,7 @@ def hiding_triangles(surfaces: Surfaces, sight: SightLines) -> tuple[Floats, Ind
     return np.ascontiguousarray(np.concatenate(parts)), np.concatenate(source)
 
 
-class _Grid(NamedTuple):
+class Grid(NamedTuple):
     """Pieces of lines in the cells of a grid: cell i has pieces start[i] to start[i + 1], (start, end, least q) of lines `line`."""
 
     start: Indices
@@ -162,7 +162,7 @@ def parts_of(
     on_progress: Callable[[float], object],
 ) -> Parts:
     """Cut lines where what hides them changes; `on_progress` hears which share of the triangles has been looked at, and may stop it."""
-    grid = _grid_of(found, sight.width, sight.height)
+    grid = grid_of(found, sight.width, sight.height)
     lines = np.ascontiguousarray(found.lines.reshape(-1, 6))
     own, slack = np.ascontiguousarray(found.segments.triangles), np.ascontiguousarray(found.segments.slack)
     hidden_line, hidden, count = np.empty(1 << 16, dtype=np.int64), np.empty((1 << 16, 2)), np.zeros(1, dtype=np.int64)
@@ -185,7 +185,8 @@ def parts_of(
     return _laid_over(found, np.concatenate(line_parts) if line_parts else none[0], np.concatenate(span_parts) if span_parts else none[1])
 
 
-def _grid_of(found: Thrown, width: int, height: int) -> _Grid:
+def grid_of(found: Thrown, width: int, height: int) -> Grid:
+    """Sort pieces of lines into cells of a picture."""
     size = max(_LEAST_CELL, max(width, height) / _MOST_CELLS)
     columns, rows = int(np.ceil(width / size)), int(np.ceil(height / size))
     n = len(found.lines)
@@ -216,7 +217,7 @@ def _grid_of(found: Thrown, width: int, height: int) -> _Grid:
     order = np.argsort(cell, kind="stable")
     begins = np.searchsorted(cell[order], np.arange(columns * rows + 1))
     pieces = np.ascontiguousarray(np.stack([lo, hi, least], axis=1)[order])
-    return _Grid(begins.astype(np.int64), np.ascontiguousarray(line[order]), pieces, float(size), columns, rows)
+    return Grid(begins.astype(np.int64), np.ascontiguousarray(line[order]), pieces, float(size), columns, rows)
 
 
 def _laid_over(found: Thrown, line: Indices, span: Floats) -> Parts:

@@ -2,7 +2,7 @@
 
     diffuse                               Lambert                         as it is
     dielectric, roughdielectric           Dielectric                      as it is, where nothing is coloured by reflection
-    conductor, roughconductor             MetallicRoughness, metallic     alpha is the square of the roughness; Schlick's Fresnel term
+    conductor, roughconductor             MetallicRoughness, metallic     alpha is the square of the roughness; by name: Schlick's Fresnel
     plastic, roughplastic, principled     MetallicRoughness               light that is caught below the coat is left out
     thindielectric                        an ideal mirror, mostly clear   the same at all angles
     twosided, mask, bumpmap, normalmap    fields of what is in them
@@ -24,6 +24,7 @@ import numpy as np
 
 from ..errors import FileFormatError
 from ..scene.material import BlinnPhong, Dielectric, Lambert, MetallicRoughness
+from ..scene.material_extensions import Conductor
 from ..scene.texture import AnyTexture, Texels, Texture
 from .mitsuba_color import curve_of, rgb_from_reflectance
 from .mitsuba_conductor import IOR, normal_reflectance, reflectance_of
@@ -201,23 +202,34 @@ class Materials:
     def _conductor(self, properties: Properties) -> Surface:
         rough = properties.element.kind == "roughconductor"
         tint = self._paint(properties, "specular_reflectance", 1.0)
-        f0 = self._metal(properties)
-        if f0 is None and not rough and tint.texture is None:
+        metal = self._metal(properties)
+        if metal is None and not rough and tint.texture is None:
             return Surface(BlinnPhong(_BLACK, mirror=tint.color, ambient=_BLACK))
-        red, green, blue = (a * b for a, b in zip(f0 or _WHITE, tint.color, strict=True))
+        measured = metal if isinstance(metal, Conductor) else None
+        f0 = _WHITE if metal is None or isinstance(metal, Conductor) else metal
+        red, green, blue = (a * b for a, b in zip(f0, tint.color, strict=True))
         roughness = self._roughness(properties, 0.1, rough=rough)
         properties.skip("distribution", "alpha")
-        return Surface(MetallicRoughness((red, green, blue), 1.0, roughness, base_color_texture=tint.texture, double_sided=True))
+        return Surface(
+            MetallicRoughness(
+                (red, green, blue), 1.0, roughness, base_color_texture=tint.texture, double_sided=True, conductor=measured
+            )
+        )  # fmt: skip
 
-    def _metal(self, properties: Properties) -> Triple | None:
-        """F0; None: all is reflected."""
+    def _metal(self, properties: Properties) -> Conductor | Triple | None:
+        """A metal by its index of refraction for red, green and blue, or what it reflects straight on; None: all is reflected.
+
+        By name or by wavelength it is known better than three numbers tell, so there its colour is worked out over all wavelengths.
+        """
         if properties.has("eta") or properties.has("k"):
             properties.skip("material")
             n, k = (self._spectrum(properties, name, default) for name, default in (("eta", 0.0), ("k", 1.0)))
             if np.ndim(n) == np.ndim(k) == 1 and len(n) == len(k) != 3:
                 return rgb_from_reflectance(np.minimum(normal_reflectance(n, k), 1.0))
-            n, k = (rgb_from_reflectance(v) if np.size(v) > 3 else v for v in (n, k))
-            red, green, blue = np.broadcast_to(normal_reflectance(np.asarray(n), np.asarray(k)), 3).tolist()
+            n, k = (np.broadcast_to(rgb_from_reflectance(v) if np.size(v) > 3 else v, 3) for v in (n, k))
+            if n.min() > 0.0 and k.min() >= 0.0:
+                return Conductor(tuple(n.tolist()), tuple(k.tolist()))
+            red, green, blue = normal_reflectance(n, k).tolist()
             return red, green, blue
         name = properties.text("material", "none")
         if name.lower() == "none":

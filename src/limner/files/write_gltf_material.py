@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..color.metals import normal_reflectance
 from ..color.transfer import linear_from_srgb, srgb_from_linear
 from ..image.png import png_bytes
 from ..scene._values import Triple
@@ -47,7 +48,7 @@ TEXTURES = {
 }
 VARIANTS = "KHR_materials_variants"
 _NUMBERED = re.compile(r" \(\d+\)$")
-_LEFT_OUT = ("specular_texture", "bump_texture", "alpha_texture")
+_LEFT_OUT = ("specular_texture", "bump_texture", "alpha_texture", "energy_compensation", "roughness_degrees")
 _COLORED = frozenset({"base_color_texture", "emissive_texture"})
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 _FILTERS = {"nearest": (9728, 9728), "bilinear": (9729, 9729), "trilinear": (9729, 9987)}
@@ -78,9 +79,9 @@ def strength_for(greatest: float) -> float:
 
 
 def nearest(material: Material) -> MetallicRoughness:
-    """The MetallicRoughness that looks most like a material; itself where it is one."""
+    """The MetallicRoughness of glTF that looks most like a material; itself where it is one."""
     if isinstance(material, MetallicRoughness):
-        return material
+        return _without_conductor(material)
     if isinstance(material, BlinnPhong):
         return _from_blinn_phong(material)
     common: dict[str, Any] = {
@@ -140,6 +141,15 @@ def _from_blinn_phong(material: BlinnPhong) -> MetallicRoughness:
     )  # fmt: skip
 
 
+def _without_conductor(material: MetallicRoughness) -> MetallicRoughness:
+    """A metal by the colour that it reflects straight on."""
+    metal = material.conductor
+    if metal is None:
+        return material
+    red, green, blue = (normal_reflectance(n, k) * c for n, k, c in zip(metal.eta, metal.k, material.base_color, strict=True))
+    return dataclasses.replace(material, base_color=(red, green, blue), conductor=None)
+
+
 def _without_variants(material: Material) -> Material:
     varied = isinstance(material, MetallicRoughness) and material.variants
     return dataclasses.replace(material, variants=()) if varied else material  # type: ignore[arg-type]
@@ -191,10 +201,12 @@ class Materials:
         key = identity(material)
         if key not in self._known:
             made = nearest(material)
-            if made is not material:
+            if getattr(material, "conductor", None) is not None:
+                self._notes.add("conductor is written as the colour that it reflects straight on", material.name)
+            elif made is not material:
                 self._notes.add(f"{type(material).__name__} is written as the nearest metallic-roughness material", material.name)
             for field in _LEFT_OUT:
-                if getattr(material, field, None) is not None:
+                if getattr(material, field, None):
                     self._notes.add(f"{field} is left out: glTF has none", material.name)
             self._known[key] = len(self.materials)
             self._sources.append((material, made))

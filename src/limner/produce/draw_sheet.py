@@ -212,12 +212,14 @@ def _camera(name: str, window: _Window, layout: Layout, unit_mm: float) -> tuple
 
 
 def _lines(drawn: Mapping[str, Drawing], layout: Layout, style: LineStyle) -> list[Layer]:
-    placed = []
+    """The layers of each view, which bear its name, so that one may be switched off or moved as a whole."""
+    layers = []
     for name, drawing in drawn.items():
         area = layout.areas[name]
         x, y = area.x + area.width / 2.0, area.y + area.height / 2.0
-        placed.append((drawing, Placing("mm", 1.0 / _FINER, x - drawing.width / _FINER / 2.0, y - drawing.height / _FINER / 2.0)))
-    return layers_of(placed, style)
+        place = Placing("mm", 1.0 / _FINER, x - drawing.width / _FINER / 2.0, y - drawing.height / _FINER / 2.0)
+        layers += [Layer(f"{layer.name}-{name}", layer.marks, (*layer.classes, name)) for layer in layers_of([(drawing, place)], style)]
+    return layers
 
 
 def _dimensions(layout: Layout, size: Floats) -> Iterator[Mark]:

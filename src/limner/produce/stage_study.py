@@ -190,7 +190,9 @@ class Study:
             return samples, False
         from ..raster.stages import capture
 
-        tables = self.tables._replace(instances=self.tables.instances[bounded])
+        rest = self.tables.instances[bounded]
+        rest["owner"] = np.cumsum(bounded, dtype=np.int32)[rest["owner"]] - 1  # rows are named by their number
+        tables = self.tables._replace(instances=rest)
         seen = View(self.main.view.camera, np.ascontiguousarray(self.main.view.raster_from_object[bounded]))
         return capture(tables, seen, self.width, self.height, threads=self._threads).samples, True
 

@@ -26,8 +26,8 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_com
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
 from ..shading.bsdf import eval_bsdf, resolve, resolve_matte, seen_in_mirrors, shading_normal, tint_at
-from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
+from ..shading.frosted import meet_surface
 from ..shading.glossy import scatter_in_square
 from ..shading.layered import facets_alone, far_share, far_side, is_polished, one_channel, veil, without_glass
 from ..shading.layers import glass_share, interface_alpha
@@ -276,7 +276,7 @@ def path_radiance(
                 n_i = n_i + bluer * media[crossing.before]["dispersion"]
                 n_t = n_t + bluer * media[crossing.after]["dispersion"]
             ns = shading_normal(material, owner, point, textures, texels)
-            ways = meet_interface(material["fresnel"], roughness2, point.n, ns, -wo, n_i, n_t, u, v)
+            ways = meet_surface(material, roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
             if draw_1d(sampler, dimension + _LOBE) * both < ways.reflectance:
                 o, d, looks_through = off_surface(point, point.n), ways.reflected, False

@@ -23,8 +23,8 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_com
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
 from ..shading.bsdf import eval_bsdf, resolve, shading_normal, tint_at
-from ..shading.dielectric import meet_interface
 from ..shading.emitters import pdf_emitter, sample_emitter
+from ..shading.frosted import meet_surface
 from ..shading.glossy import eval_facets, pdf_facets, sample_facets, scatter_in_square, without_facets
 from ..shading.layered import facets_alone, far_share, far_side, is_polished, veil, without_glass
 from ..shading.layers import glass_share, interface_alpha
@@ -212,7 +212,7 @@ def _push_both(
     if roughness2 > ZERO:
         u, v = draw_2d(sampler, first + _WHICH_FACET)
     n_i, n_t = media[crossing.before]["ior"], media[crossing.after]["ior"]
-    ways = meet_interface(material["fresnel"], roughness2, point.n, ns, normalize(d), n_i, n_t, u, v)
+    ways = meet_surface(material, roughness2, point.n, ns, normalize(d), n_i, n_t, u, v)
     squeeze = n_i / n_t
     above, below = off_surface(point, point.n), off_surface(point, -point.n)
     top = _push(

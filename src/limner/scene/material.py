@@ -230,7 +230,8 @@ class MetallicRoughness:
         metal itself. For `metallic` 1.
     energy_compensation : bool
         Give back what a rough surface loses because light that is reflected from facet to facet is not followed: at roughness 1 more
-        than half. glTF's appendix B is without, and so are most viewers, which is why it is not the default.
+        than half. What goes through keeps its light, too. glTF's appendix B is without, and so are most viewers, which is why it is not
+        the default.
     variants : tuple of Variant
         What stands in its place where the scene is shown in another variant, see `limner.scene.variants.with_variant`.
     """
@@ -356,6 +357,9 @@ class Dielectric:
         Multiplies `tint`.
     bump_texture, bump_scale : Texture or pattern, optional, and float
         As for `Lambert`: ripples on water, hammered glass.
+    energy_compensation : bool
+        Follow light on a frosted surface from facet to facet until it leaves, so that none is lost; at roughness 1 it is more than half.
+        It takes longer. For `ray` and `path`.
 
     `ray` and `path` follow light through it; `raster`, which cannot, draws it as a thin veil.
     """
@@ -371,6 +375,7 @@ class Dielectric:
     tint_texture: AnyTexture | None = None
     bump_texture: AnyTexture | None = None
     bump_scale: float = 1.0
+    energy_compensation: bool = False
 
     emission: ClassVar[Triple] = (0.0, 0.0, 0.0)
     alpha: ClassVar[float] = 0.25

@@ -11,6 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypeAlias, get_args
 
+import numpy as np
+
 from ..errors import SceneError
 from ._values import Triple, finite, positive, triple, unit_interval
 from .procedural import Pattern
@@ -21,6 +23,7 @@ __all__ = [
 ]  # fmt: skip
 
 _WHITE: Triple = (1.0, 1.0, 1.0)
+_RGB_WAVELENGTHS = (630.0, 532.0, 465.0)
 
 
 def _check(part: Any, *shares: str) -> None:
@@ -260,7 +263,7 @@ class Conductor:
     Parameters
     ----------
     eta, k : three floats > 0 and >= 0
-        At about 630, 532 and 465 nm, for red, green and blue.
+        At 630, 532 and 465 nm, for red, green and blue.
 
     >>> Conductor.named("gold").k[0] > Conductor.named("gold").k[2]
     True
@@ -276,22 +279,22 @@ class Conductor:
             raise SceneError(f"conductor.eta must be positive, got {self.eta}")
 
     @classmethod
-    def named(cls, metal: str) -> Conductor:
-        """A metal that has been measured: "aluminium", "copper", "gold" or "silver".
+    def of_spectra(cls, wavelengths: Any, n: Any, k: Any) -> Conductor:
+        """What was measured over the wavelengths (n,), ascending, in nm, at those that stand for red, green and blue.
 
-        **Source**: Johnson and Christy, *Optical constants of the noble metals*, 1972, table I, interpolated in photon energy (copper,
-        gold, silver); Rakic, *Algorithm for the determination of intrinsic optical constants of metal films*, 1995 (aluminium).
+        >>> Conductor.of_spectra([400, 500, 700], [1.0, 2.0, 1.0], [3.0, 3.0, 3.0]).eta
+        (1.35, 1.84, 1.65)
         """
-        if metal not in _MEASURED:
-            raise SceneError(f"conductor must be one of {', '.join(_MEASURED)}, got {metal!r}")
-        return cls(*_MEASURED[metal])
+        eta, extinction = (np.interp(_RGB_WAVELENGTHS, wavelengths, curve).tolist() for curve in (n, k))
+        return cls(tuple(eta), tuple(extinction))
 
+    @classmethod
+    def named(cls, metal: str) -> Conductor:
+        """A metal that has been measured, by its name in `limner.color.metals.METALS`: "aluminium", "copper", "gold", "silver", …"""
+        # Read on use, so that whoever describes a scene without metals reads no tables.
+        from ..color.metals import measured_metal
 
-_MEASURED: dict[str, tuple[Triple, Triple]] = {
-    "aluminium": ((1.430, 0.910, 0.667), (7.508, 6.420, 5.622)),
-    "copper": ((0.274, 1.094, 1.250), (3.380, 2.591, 2.480)),
-    "gold": ((0.187, 0.518, 1.313), (3.409, 2.283, 1.852)),
-    "silver": ((0.057, 0.055, 0.050), (4.259, 3.465, 2.859)),
-}
+        return cls.of_spectra(*measured_metal(metal))
+
 
 Part: TypeAlias = Anisotropy | Clearcoat | Conductor | DiffuseTransmission | Iridescence | Sheen | Specular | Transmission | Volume

@@ -194,7 +194,7 @@ def resolve(material, instance, point: SurfacePoint, textures, texels) -> Bsdf:
         # What goes through is the affair of renderers that follow rays.
         alpha2 = spread(material["roughness"] * material["roughness"], point.u)
         f0 = _color3(material["specular"]) + black
-        return Bsdf(ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base, f0d, bits, layers)
+        return Bsdf(ns, black, black, one, f0, alpha2, black, one, black, black, alpha, base, f0d, np.int64(0), layers)
     if kind == COOL_TO_WARM:
         towards = Vec3(material["towards"][0], material["towards"][1], material["towards"][2])
         shown = cool_to_warm(_color3(material["cool"]), base, point.ns, towards)

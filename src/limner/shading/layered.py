@@ -38,8 +38,8 @@ from .oren_nayar import eval_oren_nayar
 from .sheen import eval_sheen, sheen_sent_on
 
 __all__ = [
-    "Parts", "draw_layers", "eval_layers", "facets_alone", "facets_reflectance", "far_share", "far_side", "is_polished", "one_channel",
-    "pdf_layers", "veil", "without_glass",
+    "Parts", "draw_layers", "eval_layers", "facets_alone", "facets_reflectance", "far_share", "far_side", "given_back", "is_polished",
+    "one_channel", "pdf_layers", "veil", "without_glass",
 ]  # fmt: skip
 
 f32 = np.float32
@@ -70,6 +70,16 @@ def facets_reflectance(bsdf: Bsdf, cosine: np.float32) -> Color:
         colored = film_reflectance(bsdf.f0, layers.film_ior, layers.film_thickness, cosine)
         mirrored = mirrored * (ONE - layers.film) + colored * layers.film
     return mirrored
+
+
+@kernel
+def given_back(bsdf: Bsdf, one: np.float32) -> Color:
+    """What is left at a further facet: of a sheet all, since what one does not reflect it lets through, tinted."""
+    if bsdf.layered & FAR_SIDE != 0:
+        return bsdf.f0
+    if bsdf.layered & SHEET != 0:
+        return Color(one, one, one)
+    return facets_reflectance(bsdf, one)
 
 
 @kernel
@@ -126,7 +136,7 @@ def eval_layers(bsdf: Bsdf, wo: Vec3, wi: Vec3) -> Parts:
     matte = matte * (ONE - kept)
     facets = reflected * _facets(bsdf, wo, wi, h)
     if bits & COMPENSATED != 0:
-        facets = facets * energy_gain(facets_reflectance(bsdf, ONE + v_h * ZERO), dot(n, wo), sqrt(bsdf.roughness2))
+        facets = facets * energy_gain(given_back(bsdf, ONE + v_h * ZERO), dot(n, wo), sqrt(bsdf.roughness2))
     if bits & SHEEN != 0:
         most = max_component(layers.sheen)
         n_v, n_l = sheen_sent_on(layers.sheen_alpha, dot(n, wo)), sheen_sent_on(layers.sheen_alpha, dot(n, wi))
@@ -296,7 +306,7 @@ def _far_side(bsdf: Bsdf, layers: Layers | None) -> Bsdf:
     if layers is None:
         return bsdf
     left = ONE - layers.coat * _COAT_F0
-    bits = FAR_SIDE | (bsdf.layered & ANISOTROPY)
+    bits = FAR_SIDE | (bsdf.layered & (ANISOTROPY | COMPENSATED))
     bare = no_layers(bsdf.roughness2)
     kept = Layers(
         bare.f90, layers.shield, layers.grazing, bare.through, bare.behind, bare.coat, bare.coat_alpha, bare.coat_normal, bare.sheen,

@@ -17,12 +17,13 @@ from .._jit import kernel, outlined
 from ..kernel.elementary import INV_PI, PI, TWO_PI, acos, atan2, cos, floor, safe_sqrt, sin, sqrt
 from ..kernel.lanes import any_of, at, max, min, spread, to_int, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, max_component, normalize, reflect
-from ..tables.layouts import ANISOTROPY, BEHIND, COAT, COMPENSATED, CONDUCTOR, FILM, MATTE_ONLY, ROUGH_MATTE, SHEEN
+from ..tables.layouts import ANISOTROPY, BEHIND, COAT, COMPENSATED, CONDUCTOR, FILM, MATTE_ONLY, ROUGH_MATTE, SHEEN, SHEET
 from .fresnel import schlick_weight
 from .iridescence import film_reflectance
-from .layered import facets_reflectance
+from .layered import facets_reflectance, given_back
 from .lobes import Bsdf, Layers
 from .multiscatter import energy_gain
+from .oren_nayar import rough_matte_sent_on
 from .prefilter import blurred_radiance, facets_share, sent_on
 from .sheen import sheen_sent_on
 
@@ -201,6 +202,8 @@ def _from_layers(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
     layers, bits = bsdf.layers, bsdf.layered
     n_v, roughness = max(dot(bsdf.ns, wo), ZERO), sqrt(bsdf.roughness2)
     total = bsdf.diffuse * (sky_irradiance(lighting, bsdf.ns) * INV_PI) * (ONE - layers.shield)
+    if bits & ROUGH_MATTE != 0:
+        total = total * rough_matte_sent_on(layers.matte_roughness, n_v)
     if bits & MATTE_ONLY == 0 and bits & ROUGH_MATTE == 0:
         n = bsdf.ns
         if bits & ANISOTROPY != 0:
@@ -215,7 +218,8 @@ def _from_layers(lighting, bsdf: Bsdf, wo: Vec3) -> Color:
             # Of a stretched lobe about as much as of its two widths, each all round.
             share = (share + facets_share(f0, f90, n_v, sqrt(layers.along))) * _HALF
         if bits & COMPENSATED != 0:
-            share = share * energy_gain(f0, n_v, roughness)
+            kept = f0 if bits & SHEET == 0 else given_back(bsdf, spread(ONE, wo.x))
+            share = share * energy_gain(kept, n_v, roughness)
         total = total + share * _mirrored(lighting, reflect(-wo, n), roughness)
     if bits & BEHIND != 0:
         total = total + layers.behind * (sky_irradiance(lighting, -bsdf.ns) * INV_PI) * (ONE - layers.shield)

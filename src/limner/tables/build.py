@@ -459,6 +459,7 @@ def _fill_dielectric(row: np.void, material: Dielectric, textures: dict[AnyTextu
     row["kind"], row["color"], row["roughness"] = layouts.DIELECTRIC, material.tint, material.roughness
     row["color_texture"] = _row(material.tint_texture, textures)
     row["specular"] = row["dielectric_f0"] = dielectric_f0(material.ior)
+    row["layers"] = layouts.COMPENSATED if material.energy_compensation and material.roughness > 0.0 else 0
     row["fresnel"] = layouts.SCHLICK if material.fresnel == "schlick" else layouts.EXACT
 
 

@@ -25,6 +25,7 @@ from limner.mesh.mesh import Mesh
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
 from limner.scene.material import BlinnPhong, Dielectric, Lambert, MetallicRoughness
+from limner.scene.material_extensions import Conductor
 from limner.scene.procedural import Checker
 from limner.scene.scene import Scene
 from limner.scene.shape import Cylinder, Disk, Sphere
@@ -193,12 +194,15 @@ def test_alpha_is_the_square_of_roughness(tmp_path: Path, alpha: float, roughnes
 
 
 def test_metals_by_name_and_by_their_constants(tmp_path: Path) -> None:
-    """A name gives the table's F0; n and k give Fresnel's at normal incidence; without either, all is reflected."""
+    """A name gives the table's F0; three n and k a measured metal, an n of 0 its F0; without either, all is reflected."""
     gold = material_of(tmp_path, bsdf_of("conductor", '<string name="material" value="Au"/>'))
     assert (gold.base_color, gold.metallic, gold.roughness) == (CONDUCTORS["Au"], 1.0, 0.0)
     assert material_of(tmp_path, bsdf_of("conductor", '<string name="material" value="Ag_palik"/>')).base_color == CONDUCTORS["Ag"]
     own = material_of(tmp_path, bsdf_of("conductor", '<rgb name="eta" value="0.2, 1, 1.5"/>', '<rgb name="k" value="4, 2, 0"/>'))
-    assert_allclose(own.base_color, [normal_reflectance(n, k) for n, k in ((0.2, 4.0), (1.0, 2.0), (1.5, 0.0))])
+    assert (own.base_color, own.conductor) == ((1.0, 1.0, 1.0), Conductor((0.2, 1.0, 1.5), (4.0, 2.0, 0.0)))
+    none = material_of(tmp_path, bsdf_of("conductor", '<rgb name="eta" value="0, 1, 1.5"/>', '<rgb name="k" value="4, 2, 0"/>'))
+    assert_allclose(none.base_color, [normal_reflectance(n, k) for n, k in ((0.0, 4.0), (1.0, 2.0), (1.5, 0.0))])
+    assert none.conductor is None
     mirror = material_of(tmp_path, bsdf_of("conductor"))
     assert isinstance(mirror, BlinnPhong)
     assert mirror.mirror == (1.0, 1.0, 1.0)

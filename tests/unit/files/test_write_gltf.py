@@ -31,6 +31,7 @@ from limner.scene.displacement import Displacement
 from limner.scene.environment import Environment
 from limner.scene.light import AmbientLight, PointLight, SphereLight
 from limner.scene.material import BlinnPhong, CoolToWarm, Dielectric, Lambert, MetallicRoughness
+from limner.scene.material_extensions import Conductor
 from limner.scene.motion import KeyedMotion, Motion
 from limner.scene.node import Node
 from limner.scene.procedural import Checker
@@ -623,3 +624,16 @@ def test_a_full_disk_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(RenderError, match=r"cannot write .*a\.gltf: No space left"):
         write(menagerie(), tmp_path / "a.gltf")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_measured_metal_is_written_by_its_colour(tmp_path: Path) -> None:
+    """What it reflects straight on, times what it is lacquered with; that, and what glTF knows nothing of, is said."""
+    gold = MetallicRoughness((1.0, 0.5, 1.0), conductor=Conductor((0.2, 1.0, 1.5), (4.0, 2.0, 1.0)), energy_compensation=True, name="gold")
+    plaster = Lambert((0.5, 0.5, 0.5), roughness_degrees=20.0)
+    scene = Scene(Node("n", shapes=(Shape(Box((1, 1, 1)), (gold,)), Shape(Box((2, 2, 2)), (plaster,)))))
+    told = "\n".join(write(scene, tmp_path / "a.glb"))
+    assert all(word in told for word in ("conductor is written as", "energy_compensation is left out", "roughness_degrees is left out"))
+    material = load(tmp_path / "a.glb").shapes()[0][1].materials[0]
+    assert isinstance(material, MetallicRoughness)
+    assert material.conductor is None
+    np.testing.assert_allclose(material.base_color, (16.64 / 17.44, 0.5 * 4.0 / 8.0, 1.25 / 7.25), atol=1e-6)

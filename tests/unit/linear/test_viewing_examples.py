@@ -31,7 +31,7 @@ def projections(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 def test_sheets_are_drawn(name, tmp_path):
     """A picture of the expected number of panels, in which there is something to see."""
     path = tmp_path / "sheet.png"
-    words = [sys.executable, str(EXAMPLES / f"{name}.py"), "-o", str(path), "--width", "96"]
+    words = [sys.executable, str(EXAMPLES / f"{name}.py"), str(path), "--small"]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr[-2000:]
     with Image.open(path) as page:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from typing import Any
 
 import numpy as np
 import pytest
@@ -270,6 +271,29 @@ class TestSheet:
         made = stages(scene, width=320, samples=2)
         assert made.facts["partly_covered"] == 0
         assert len(np.unique(cell(made, "coverage").reshape(-1, 3), axis=0)) > 8
+
+    def test_a_floor_that_comes_first_may_be_left_out(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Bug: instances kept the number that they had before the floor went, and pixels were described by rows that were not there.
+
+        Fix: what is left is numbered anew.
+        """
+        asked: list[tuple[int, int]] = []
+
+        def spy(tables: SceneTables, *rest: Any, **options: Any) -> Capture:
+            assert (tables.instances["owner"] == np.arange(len(tables.instances))).all()
+            taken = capture(tables, *rest, **options)
+            asked.append((len(tables.instances), int(taken.faces[..., 0].max())))
+            return taken
+
+        monkeypatch.setattr("limner.raster.stages.capture", spy)
+        camera = PerspectiveCamera.look_at((0, 6, 3), (0, 0.5, 0))
+        sheets = [
+            stages(scene_of(*order, camera=camera), width=320, samples=2)
+            for ball, floor in [(place(Sphere(1.0), at=(0, 1, 0)), place(Plane()))]
+            for order in ((ball, floor), (floor, ball))
+        ]
+        assert (cell(sheets[0], "coverage") == cell(sheets[1], "coverage")).all()
+        assert asked.count((1, 0)) == 2
 
     def test_nothing_to_see_is_said(self) -> None:
         """An empty scene makes a sheet, too."""

@@ -103,6 +103,14 @@ def test_sine_and_cosine_are_within_2e_7(reach: float) -> None:
     assert _absolute(over(elementary.cos, x), np.cos(x.astype(np.float64))) < 2e-7
 
 
+def test_cosine_and_sine_of_an_octant() -> None:
+    """Without reduction of the argument: as good as with it, to pi/4 on both sides."""
+    x = _uniform(-np.pi / 4.0, np.pi / 4.0)
+    c, s = over(elementary.cos_sin_of_octant, x)
+    assert _absolute(s, np.sin(x.astype(np.float64))) < 1e-7
+    assert _absolute(c, np.cos(x.astype(np.float64))) < 1e-7
+
+
 def test_sine_keeps_its_relative_accuracy_near_zero() -> None:
     """sin x is x for tiny x, to the last place."""
     x = np.exp2(_uniform(-60, -1).astype(np.float64)).astype(np.float32)

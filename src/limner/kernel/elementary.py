@@ -16,8 +16,8 @@ from .._jit import MODE, kernel
 from .lanes import f32x8, i32x8, int32, max, min, to_float, where
 
 __all__ = [
-    "HALF_PI", "INV_PI", "PI", "TWO_PI", "acos", "as_float", "as_int", "atan2", "cos", "exp2", "floor", "log2", "power",
-    "safe_sqrt", "sin", "sqrt",
+    "HALF_PI", "INV_PI", "PI", "TWO_PI", "acos", "as_float", "as_int", "atan2", "cos", "cos_sin_of_octant", "exp2", "floor", "log2",
+    "power", "safe_sqrt", "sin", "sqrt",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -139,6 +139,14 @@ def sin(x: np.float32) -> np.float32:
 def cos(x: np.float32) -> np.float32:
     """cos x; absolute error below 2e-7 for |x| <= 10000; cos 0 for |x| > 131072 and for NaN."""
     return _sin_quadrant(x, i32(1))
+
+
+@kernel
+def cos_sin_of_octant(x: np.float32) -> tuple[np.float32, np.float32]:
+    """(cos x, sin x) for |x| <= pi/4, by the series of `cos` and `sin` without their reduction."""
+    q = x * x
+    c = _ONE + q * (_C2 + q * (_C4 + q * (_C6 + q * _C8)))
+    return c, x + x * q * (_S3 + q * (_S5 + q * (_S7 + q * _S9)))
 
 
 # atan t = t + t q (A3 + q (A5 + ...)), q = t^2, on [-tan(pi/8), tan(pi/8)]: of least maximal relative error, 7e-10.

@@ -46,7 +46,8 @@ _EIGHT_BITS, _SIXTEEN_BITS = u32(8), u32(16)
 _ODD_1, _ODD_2, _ODD_4 = u32(0x55555555), u32(0x33333333), u32(0x0F0F0F0F)
 _ODD_8, _LOW_16 = u32(0x00FF00FF), u32(0x0000FFFF)
 _LK1, _LK2, _LK3 = u32(0x3D20ADEA), u32(0x05526C56), u32(0x53A22864)
-_FIRST, _SECOND, _SHUFFLE, _SCATTER = i64(0), i64(1), i64(2), i64(3)
+_SHUFFLE, _SCATTER = i64(2), i64(3)
+_FIRST, _SECOND = u32(0x9E3779B1), u32(0x85EBCA77)
 
 
 class Sampler(NamedTuple):
@@ -110,6 +111,13 @@ def scramble_reversed(x: np.uint32, key: np.uint32) -> np.uint32:
 
 
 @kernel
+def _another(key: np.uint32, odd: np.uint32) -> np.uint32:
+    """Another key of the same decision. A product's lowest bit is the key's own, and flips half of the square: higher bits have to help."""
+    a = u32(key * odd)
+    return u32(a ^ u32(a >> _SIXTEEN_BITS))
+
+
+@kernel
 def _shuffled_index(sample: np.int64, key: np.uint32) -> np.uint32:
     """The sample's place in the shuffled sequence: aligned blocks of 2^m samples stay together, in a random order.
 
@@ -136,7 +144,7 @@ def draw_1d(sampler: Sampler, dimension: int) -> np.float32:
     if sampler.kind != SOBOL:
         return _draw_1d_otherwise(sampler, dimension, key)
     index = _shuffled_index(sampler.sample, key)
-    return float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
+    return float_from_word(reverse_bits(scramble_reversed(index, _another(key, _FIRST))))
 
 
 @outlined
@@ -164,8 +172,8 @@ def draw_2d(sampler: Sampler, dimension: int) -> tuple[np.float32, np.float32]:
     if sampler.kind != SOBOL:
         return _draw_2d_otherwise(sampler, dimension, key)
     index = _shuffled_index(sampler.sample, key)
-    x = float_from_word(reverse_bits(scramble_reversed(index, combine(key, _FIRST))))
-    y = float_from_word(reverse_bits(scramble_reversed(_pascal(index), combine(key, _SECOND))))
+    x = float_from_word(reverse_bits(scramble_reversed(index, _another(key, _FIRST))))
+    y = float_from_word(reverse_bits(scramble_reversed(_pascal(index), _another(key, _SECOND))))
     return x, y
 
 

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from .._jit import kernel
-from .elementary import HALF_PI, INV_PI, TWO_PI, atan2, cos, safe_sqrt, sin, sqrt
+from .elementary import INV_PI, TWO_PI, atan2, cos, cos_sin_of_octant, safe_sqrt, sin, sqrt
 from .vec import ONE, TWO, ZERO, Vec3
 
 __all__ = [
@@ -45,8 +45,8 @@ def warp_disk(u: np.float32, v: np.float32) -> tuple[np.float32, np.float32]:
     r = a if wide else b
     s = b if wide else a
     ratio = s / r if r != ZERO else ZERO
-    angle = _QUARTER_PI * ratio if wide else HALF_PI - _QUARTER_PI * ratio
-    return r * cos(angle), r * sin(angle)
+    c, s = cos_sin_of_octant(_QUARTER_PI * ratio)
+    return (r * c, r * s) if wide else (r * s, r * c)
 
 
 @kernel

@@ -59,11 +59,14 @@ _TRACE = _Doors(
     "the ray renderer",
 )  # fmt: skip
 
-_TRACE_PATH = _Doors(
+_PATH_SIGNATURE = (*_PICTURE, Array(np.float32, 1), Array(np.int64, 1), *_TILE)
+_TRACE_PATH = _Doors("limner.raytrace.path_tile", "trace_path_tile", _PATH_SIGNATURE, "the path renderer")
+_MATTE = {_ENDS: _NO_ENDS, Array(layouts.MATERIAL, 1): Array(layouts.MATTE_MATERIAL, 1)}
+_TRACE_MATTE_PATH = Door(
     "limner.raytrace.path_tile",
-    "trace_path_tile",
-    (*_PICTURE, Array(np.float32, 1), Array(np.int64, 1), *_TILE),
-    "the path renderer",
+    "trace_path_tile_matte",
+    tuple(_MATTE.get(kind, kind) if isinstance(kind, Array) else kind for kind in _PATH_SIGNATURE),
+    "the path renderer of matte scenes",
 )
 
 _TRACE_AOV = _Doors(
@@ -163,13 +166,22 @@ class Stage(NamedTuple):
         """Whether there are other exact shapes than spheres, planes and boxes, or triangles that move; or a door that meets them."""
         return _has_exact_shapes(self.tables) or len(self.instants.moving) > 0 or self.needs_layers()
 
-    def arguments(self) -> tuple[Any, ...]:
-        """The first arguments of a door, for one thread: what moves is moved in copies."""
+    def is_matte(self) -> bool:
+        """Whether there is nothing but opaque matte surfaces without textures, in clear air, that stand still."""
+        tables, materials = self.tables, self.tables.materials
+        is_matte = (materials["kind"] == layouts.LAMBERT).all() and (materials["alpha_mode"] == layouts.OPAQUE).all()
+        is_clear = len(self.media) == 1 and not self.media[0]["attenuation"].any() and not len(tables.textures)
+        return bool(is_matte and is_clear) and not len(self.instants.cameras) and not self.needs_exact()
+
+    def arguments(self, materials: np.dtype[np.void] | None = None) -> tuple[Any, ...]:
+        """The first arguments of a door, for one thread: what moves is moved in copies; `materials`: as what a door takes their rows."""
         tables, view = self.tables, self.view
         if len(self.instants.cameras):
             tables, view = tables._replace(instances=tables.instances.copy()), view._replace(camera=view.camera.copy())
         if self.needs_layers():
             tables = tables._replace(materials=tables.materials.view(layouts.LAYERED_MATERIAL))
+        if materials is not None:
+            tables = tables._replace(materials=tables.materials.view(materials))
         return (*tables, *self.tree, *self.lighting, *view, self.media, *self.instants)
 
 
@@ -201,6 +213,10 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
     rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
+        if stage.is_matte():
+            return _TRACE_MATTE_PATH.bind(
+                *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk, film
+            )
         return _TRACE_PATH.serving(stage.needs_exact(), stage.needs_layers()).bind(
             *stage.arguments(), stage.background, rules, *_Scratch(stage.needs_exact()).walk, film
         )

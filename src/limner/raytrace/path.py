@@ -2,8 +2,11 @@
 
 A path starts at the eye and is scattered at every surface as the surface scatters light. At each it asks the lights directly
 (next-event estimation), and what it meets by chance counts too; where both ways can find the same light, each is weighted by how likely
-it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2). After a few surfaces a path that carries little is ended
-by lot and the others are strengthened for it (Russian roulette), which changes no mean.
+it was to (multiple importance sampling, balance heuristic: Veach 1997, 9.2.2).
+A path that carries much less than after its first scattering is ended by lot, and those that go on are strengthened for it (Russian
+roulette), which changes no mean. How much less is measured by what the first surface left, since a dark pixel's error counts as a bright
+one's does; and it may be the second already, since each further surface costs as much and tells less (efficiency-optimised roulette:
+Veach 1997, 10.4; Rath et al., *EARS: Efficiency-aware Russian roulette and splitting*, 2022).
 
 Glass and water send a path one of two ways, by lot. What they focus (caustics) is found by chance alone, so only of lights that have an
 area, and of the sky; unless light is taken to go straight through them (`tinted`), and then is asked for like any other.
@@ -22,15 +25,16 @@ from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
-from ..shading.bsdf import eval_bsdf, resolve, seen_in_mirrors, shading_normal, tint_at
+from ..shading.bsdf import eval_bsdf, resolve, resolve_matte, seen_in_mirrors, shading_normal, tint_at
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.frosted import meet_surface
 from ..shading.glossy import scatter_in_square
 from ..shading.layered import facets_alone, far_share, far_side, is_polished, one_channel, veil, without_glass
 from ..shading.layers import glass_share, interface_alpha
 from ..shading.lights import ambient_level
+from ..shading.matte_row import only_matte
 from ..shading.medium import cross_surface, filling, haze_of, passed
-from ..shading.sample import pdf_bsdf, sample_bsdf
+from ..shading.sample import is_matte, pdf_bsdf, sample_bsdf
 from ..shading.sky import pdf_sky, sample_sky, sky_radiance
 from ..shading.surface import SurfacePoint, flip_to_front, turned_over
 from ..shading.visible import direction_to_eye
@@ -47,12 +51,11 @@ __all__ = ["path_radiance"]
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
-_FIRST_ROULETTE = 5
-_LEAST_SURVIVAL = f32(0.05)
+_LEAST_SHARE = f32(0.35)
 _MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
-_PER_SURFACE = 6
-_EMITTER, _SKY, _DIRECTION, _LOBE_AND_ROULETTE, _COVERAGE, _KIND = 0, 1, 2, 3, 4, 5
+_PER_SURFACE = 7
+_EMITTER, _SKY, _DIRECTION, _LOBE, _COVERAGE, _KIND, _ROULETTE = 0, 1, 2, 3, 4, 5, 6
 _FIRST_LIGHT = -3
 
 
@@ -68,7 +71,7 @@ def _from_lights(
     wo: Vec3, stack,
 ) -> Color:  # fmt: skip
     """Light that comes straight from the lights, one point of each; `points_only`: not from those that paths meet by chance."""
-    lights = scene[7]
+    lights, has_alpha = scene[7], 0 if only_matte(scene[6]) else rules.has_alpha
     p, n = point.position, point.n
     total = Color(ZERO, ZERO, ZERO)
     for k in range(lights.shape[0]):
@@ -82,7 +85,7 @@ def _from_lights(
         value = eval_bsdf(bsdf, wo, light.wi) * light.irradiance
         if max_component(value) > ZERO and dot(n, light.wi) > ZERO:
             distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack)
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, light.wi, distance, stack)
             if is_area and lights[k]["visible"] != 0 and not seen.through_glass:
                 value = value * _balance(light.pdf, pdf_bsdf(bsdf, wo, light.wi))
             total = total + value * seen.share
@@ -102,14 +105,14 @@ def _direct(
     wo: Vec3, stack,
 ) -> Color:  # fmt: skip
     """Light that comes straight from lights, shining surfaces and the sky, one sample of each."""
-    p, n = point.position, point.n
+    p, n, has_alpha = point.position, point.n, 0 if only_matte(scene[6]) else rules.has_alpha
     total = _from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
     u, v = draw_2d(sampler, dimension + _EMITTER) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
     shine = sample_emitter(scene, lighting, p, u, v)
     if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
         if max_component(value) > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, shine.wi, shine.distance, stack)
             weight = ONE if seen.through_glass else _balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
             total = total + value * (weight / shine.pdf) * seen.share
     if not _is_asked(lighting, rules):
@@ -119,7 +122,7 @@ def _direct(
     if sky.pdf > ZERO and dot(n, sky.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
         if max_component(value) > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, sky.wi, _INFINITY, stack)
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, sky.wi, _INFINITY, stack)
             weight = ONE if seen.through_glass else _balance(sky.pdf, pdf_bsdf(bsdf, wo, sky.wi))
             total = total + value * (weight / sky.pdf) * seen.share
     return total
@@ -131,7 +134,7 @@ def _lit_share(
     u1, v1, u2, v2, stack,
 ) -> np.float32:  # fmt: skip
     """How much of the light that would fall on a white surface does fall on it, by one sample of each kind of light."""
-    lights = scene[7]
+    lights, has_alpha = scene[7], rules.has_alpha
     everything, arriving = ZERO, ZERO
     for k in range(lights.shape[0]):
         if lights[k]["kind"] != AMBIENT_LIGHT:
@@ -140,27 +143,27 @@ def _lit_share(
             from_light = luminance(eval_bsdf(bsdf, wo, light.wi) * light.irradiance)
             if from_light > ZERO:
                 distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
-                seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, light.wi, distance, stack)
+                seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, light.wi, distance, stack)
                 everything = everything + from_light
                 arriving = arriving + from_light * luminance(seen.share)
     shine = sample_emitter(scene, lighting, point.position, u1, v1)
     if shine.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, shine.wi) * shine.radiance) / shine.pdf
         if value > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, shine.wi, shine.distance, stack)
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, shine.wi, shine.distance, stack)
             everything = everything + value
             arriving = arriving + value * luminance(seen.share)
     sky = sample_sky(lighting, u2, v2)
     if sky.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, sky.wi) * sky.radiance) / sky.pdf
         if value > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, sky.wi, _INFINITY, stack)
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, sky.wi, _INFINITY, stack)
             everything = everything + value
             arriving = arriving + value * luminance(seen.share)
     ambient = sample_bsdf(bsdf, wo, ZERO, u2, v1)
     level = luminance(ambient_level(lights))
     if level > ZERO and ambient.pdf > ZERO:
-        seen = transmittance(scene, accelerator, media, inside, rules.tinted, rules.has_alpha, point, ambient.wi, _INFINITY, stack)
+        seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, ambient.wi, _INFINITY, stack)
         everything = everything + level
         arriving = arriving + level * luminance(seen.share)
     return arriving / everything if everything > ZERO else ONE
@@ -191,11 +194,13 @@ def path_radiance(
     """
     instances, _, _, _, _, _, materials, lights, textures, texels = scene
     header = lighting[0][0]
+    # Constants of the door: what stands behind them is compiled for doors alone that may come upon it.
+    is_matte_scene = only_matte(materials)
     dx, dy = draw_2d(sampler, 0)
     x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
     ray = view_ray(camera, x, y)
     # Only textures ask how a point moves from pixel to pixel.
-    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0
+    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0 and not is_matte_scene
     if has_lens:
         u, v = draw_2d(sampler, LENS)
         ray = lens_ray(camera, x, y, u, v)
@@ -206,10 +211,13 @@ def path_radiance(
     # Whether only mirrors and glass lie between the path and the eye; whether the light it looks for now was asked for straight on; whether
     # it has only been refracted.
     as_seen, was_asked, looks_through, inside = True, False, True, i64(outside)
+    # What a path carries after the first surface that scatters: what the pixel's light is in proportion to.
+    carried = ONE
     for _ in range(_MAX_SURFACES):
+        is_first = as_seen
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
-        within = filling(inside, media)
-        if within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO):
+        within = 0 if is_matte_scene else filling(inside, media)
+        if not is_matte_scene and (within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO)):
             left = passed(media, within, hit.t * length(d))
             total = total + throughput * haze_of(media, within) * (Color(ONE, ONE, ONE) - left)
             throughput = throughput * left
@@ -232,7 +240,7 @@ def path_radiance(
             break
         if not from_camera or not shows_texture:
             point = hit_point(scene, accelerator, hit, o, d)
-            wo = normalize(-d)
+            wo = normalize(-d) if from_camera else -d
         elif has_lens or moves:
             point = lens_hit_point(scene, accelerator, hit, ray)
             wo = normalize(-d)
@@ -242,7 +250,7 @@ def path_radiance(
         material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
         is_front = dot(point.n, wo) >= ZERO
         point = flip_to_front(point, wo)
-        glass = glass_share(material, point, textures, texels)
+        glass = ZERO if is_matte_scene else glass_share(material, point, textures, texels)
         # A surface that is part glass and part something else is the one or the other, by lot.
         if glass >= ONE or (glass > ZERO and draw_1d(sampler, dimension + _KIND) < glass):
             crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
@@ -270,8 +278,7 @@ def path_radiance(
             ns = shading_normal(material, owner, point, textures, texels)
             ways = meet_surface(material, roughness2, point.n, ns, -wo, n_i, n_t, u, v)
             both = ways.reflectance + ways.transmittance
-            way, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
-            if way * both < ways.reflectance:
+            if draw_1d(sampler, dimension + _LOBE) * both < ways.reflectance:
                 o, d, looks_through = off_surface(point, point.n), ways.reflected, False
                 throughput = throughput * both
             else:
@@ -279,13 +286,16 @@ def path_radiance(
                 tint = tint_at(material, point, textures, texels)
                 o, d, inside = off_surface(point, -point.n), ways.transmitted, crossing.inside
                 throughput = throughput * tint * (both * squeeze * squeeze)
+                carried = carried * (squeeze * squeeze)  # given back on the way out: no reason to end a path
                 was_asked = rules.tinted != 0 and not as_seen
             pdf, by_chance_only, last = ZERO, True, point.position
-            dimension += _PER_SURFACE
         else:
-            bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
+            if is_matte_scene:
+                bsdf = resolve_matte(material, point)
+            else:
+                bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
             coverage = bsdf.alpha
-            if material["kind"] == SHADOW_CATCHER:
+            if not is_matte_scene and material["kind"] == SHADOW_CATCHER:
                 # Only the camera's own view has use for it; other light goes through.
                 coverage = ZERO
                 if untouched:
@@ -319,7 +329,7 @@ def path_radiance(
                 if not by_chance_only:
                     weight = _chance_weight(scene, lighting, hit, material, point, wo, last, pdf)
                 total = total + throughput * bsdf.emission * weight
-            if scatterings >= rules.max_depth or material["kind"] == SHADOW_CATCHER:
+            if scatterings >= rules.max_depth or (not is_matte_scene and material["kind"] == SHADOW_CATCHER):
                 break
             if far != ZERO:
                 throughput = throughput * (ONE / abs(far))
@@ -330,26 +340,27 @@ def path_radiance(
             )
             light_dimension -= lights.shape[0]
             u, v = draw_2d(sampler, dimension + _DIRECTION)
-            lobe, luck = draw_2d(sampler, dimension + _LOBE_AND_ROULETTE)
-            scattered = sample_bsdf(bsdf, wo, lobe, u, v)
+            scattered = sample_bsdf(bsdf, wo, ZERO if is_matte(bsdf) else draw_1d(sampler, dimension + _LOBE), u, v)
             if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
                 break
             throughput = throughput * scattered.value * (ONE / scattered.pdf)
             pdf, by_chance_only, last = scattered.pdf, scattered.is_mirror, point.position
             o, d, t_min, t_max = off_surface(point, point.n), scattered.wi, ZERO, _INFINITY
             if scattered.is_mirror:
-                if material["mirror_blur"] > ZERO:
+                if not is_matte_scene and material["mirror_blur"] > ZERO:
                     d = scatter_in_square(d, point.n, material["mirror_blur"], u, v)
             else:
                 as_seen, was_asked = False, False
             from_camera, untouched, looks_through = False, False, False
-            dimension += _PER_SURFACE
         scatterings += 1
-        if scatterings >= _FIRST_ROULETTE:
-            survival = max(max_component(throughput), _LEAST_SURVIVAL)
-            if luck >= survival:
-                break
-            throughput = throughput * (ONE / min(survival, ONE))
-        if max_component(throughput) <= ZERO:
+        weight = max_component(throughput)
+        if weight <= ZERO:
             break
+        if is_first:
+            carried = weight
+        elif weight < _LEAST_SHARE * carried:
+            if draw_1d(sampler, dimension + _ROULETTE) * (_LEAST_SHARE * carried) >= weight:
+                break
+            throughput = throughput * (_LEAST_SHARE * carried / weight)
+        dimension += _PER_SURFACE
     return total, alpha

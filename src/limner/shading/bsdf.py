@@ -26,7 +26,7 @@ from .phong import eval_blinn_phong, eval_phong
 from .surface import SurfacePoint
 from .texture import place_in, sample_place, sample_texture
 
-__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "seen_in_mirrors", "shading_normal", "tint_at"]
+__all__ = ["Bsdf", "alpha_at", "eval_bsdf", "resolve", "resolve_matte", "seen_in_mirrors", "shading_normal", "tint_at"]
 
 f32 = np.float32
 _CLEARANCE, _LEAST_COSINE = f32(0.01), f32(1e-3)
@@ -201,6 +201,17 @@ def resolve(material, instance, point: SurfacePoint, textures, texels) -> Bsdf:
         return Bsdf(point.ns, black, black, one, black, one, black, one, black, shown, alpha, base, f0d, bits, layers)
     layers = _rough_matte(row, layers)
     return Bsdf(ns, base, black, one, black, one, ambient, one, black, emission, alpha, base, f0d, bits, layers)
+
+
+@kernel
+def resolve_matte(material, point: SurfacePoint) -> Bsdf:
+    """`resolve` of a material that is matte, opaque and without texture, at one point."""
+    black, base = Color(ZERO, ZERO, ZERO), _color3(material["color"]) * point.color
+    layers = if_layered(layer_row(material), no_layers(point.u))
+    return Bsdf(
+        point.ns, base, black, ONE, black, ONE, base, ONE, black, _color3(material["emission"]), ONE, base,
+        material["dielectric_f0"], np.int64(0), layers,
+    )  # fmt: skip
 
 
 @kernel

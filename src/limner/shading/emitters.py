@@ -16,6 +16,7 @@ from ..kernel.elementary import sqrt
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
 from ..kernel.warp import warp_triangle
 from .bsdf import resolve
+from .matte_row import only_matte
 from .surface import barycentrics_of_hit, surface_at
 
 __all__ = ["EmitterSample", "pdf_emitter", "sample_emitter"]
@@ -89,7 +90,7 @@ def sample_emitter(scene, lighting, p: Vec3, u: np.float32, v: np.float32) -> Em
     position = _vector(emitter["corner"]) + _vector(emitter["edge_u"]) * b1 + _vector(emitter["edge_v"]) * b2
     n, c = _vector(emitter["normal"]), emitter["radiance"]
     radiance = Color(c[0], c[1], c[2])
-    if emitter["plain"] == 0:
+    if emitter["plain"] == 0 and not only_matte(scene[6]):
         position, n, radiance = _shining_point(scene, emitter, b1, b2)
     to_light = position - p
     squared = dot(to_light, to_light)

@@ -15,7 +15,7 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.elementary import TWO_PI, cos, power, safe_sqrt, sin, sqrt
 from ..kernel.frame import frame_from_normal, to_local, to_world
-from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, luminance, normalize, reflect
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, luminance, max_component, normalize, reflect
 from ..kernel.warp import pdf_hemisphere_cosine, warp_disk, warp_hemisphere_cosine
 from .bsdf import Bsdf, eval_bsdf
 from .fresnel import schlick
@@ -23,7 +23,7 @@ from .layered import draw_layers, pdf_layers
 from .lobes import Layers
 from .microfacet import ggx_distribution
 
-__all__ = ["BsdfSample", "pdf_bsdf", "pdf_microfacet", "sample_bsdf", "visible_normal"]
+__all__ = ["BsdfSample", "is_matte", "pdf_bsdf", "pdf_microfacet", "sample_bsdf", "visible_normal"]
 
 f32 = np.float32
 _HALF, _FOUR = f32(0.5), f32(4.0)
@@ -46,6 +46,24 @@ class Shares(NamedTuple):
     highlight: np.float32
     microfacet: np.float32
     mirror: np.float32
+
+
+@kernel
+def _is_matte(bsdf: Bsdf) -> bool:
+    return max_component(bsdf.f0) <= ZERO and max_component(bsdf.specular) <= ZERO and max_component(bsdf.mirror) <= ZERO
+
+
+@kernel
+def is_matte(bsdf: Bsdf) -> bool:
+    """Whether a surface has the matte lobe alone: `sample_bsdf` asks for no choice then."""
+    return bsdf.layered == 0 and _is_matte(bsdf)
+
+
+@kernel
+def _sample_matte(bsdf: Bsdf, u: np.float32, w: np.float32) -> BsdfSample:
+    local = warp_hemisphere_cosine(u, w)
+    pdf = pdf_hemisphere_cosine(local.z)
+    return BsdfSample(to_world(frame_from_normal(bsdf.ns), local), bsdf.diffuse * pdf, pdf, False)
 
 
 @kernel
@@ -88,14 +106,13 @@ def pdf_microfacet(alpha: np.float32, n: Vec3, v: Vec3, h: Vec3) -> np.float32:
 def _pdf(bsdf: Bsdf, shares: Shares, wo: Vec3, wi: Vec3) -> np.float32:
     n = bsdf.ns
     pdf = shares.diffuse * pdf_hemisphere_cosine(dot(n, wi))
-    h = normalize(wo + wi)
     if shares.highlight > ZERO:
         if bsdf.exponent < ZERO:
             pdf = pdf + shares.highlight * _pdf_phong(-bsdf.exponent, n, wo, wi)
         else:
-            pdf = pdf + shares.highlight * _pdf_highlight(bsdf.exponent, n, wo, h)
+            pdf = pdf + shares.highlight * _pdf_highlight(bsdf.exponent, n, wo, normalize(wo + wi))
     if shares.microfacet > ZERO:
-        pdf = pdf + shares.microfacet * pdf_microfacet(bsdf.roughness2, n, wo, h)
+        pdf = pdf + shares.microfacet * pdf_microfacet(bsdf.roughness2, n, wo, normalize(wo + wi))
     return pdf
 
 
@@ -110,6 +127,8 @@ def _pdf_of(bsdf: Bsdf, layers: Layers | None, wo: Vec3, wi: Vec3) -> np.float32
     if layers is not None:
         if bsdf.layered != 0:
             return pdf_layers(bsdf, wo, wi, False)
+    if _is_matte(bsdf):
+        return pdf_hemisphere_cosine(dot(bsdf.ns, wi))
     return _pdf(bsdf, _shares(bsdf, wo), wo, wi)
 
 
@@ -148,6 +167,8 @@ def _sample(bsdf: Bsdf, layers: Layers | None, wo: Vec3, choice: np.float32, u: 
         if bsdf.layered != 0:
             wi = draw_layers(bsdf, wo, choice, u, w, False)
             return BsdfSample(wi, eval_bsdf(bsdf, wo, wi), pdf_layers(bsdf, wo, wi, False), False)
+    if _is_matte(bsdf):
+        return _sample_matte(bsdf, u, w)
     shares = _shares(bsdf, wo)
     black = Color(ZERO, ZERO, ZERO)
     n = bsdf.ns

@@ -213,6 +213,9 @@ MATERIAL = np.dtype(
 LAYERED_MATERIAL = np.dtype([(name.replace("no_layers", "has_layers"), *kind) for name, *kind in MATERIAL.descr], align=True)
 """The same bytes, as doors take them that know layers: see `limner.shading.layer_row`."""
 
+MATTE_MATERIAL = np.dtype([(name.replace("no_layers", "only_matte"), *kind) for name, *kind in MATERIAL.descr], align=True)
+"""The same bytes, as doors take them that know nothing but matte surfaces: see `limner.shading.matte_row`."""
+
 LIGHT = np.dtype(
     [
         ("position", f32, 3),

@@ -87,8 +87,8 @@ def test_every_cpu_computes_the_same(as_python, for_any_cpu):
 
 
 def _of_one(types: str) -> str:
-    """A signature with the lanes as if they were numbers, and exact shapes as if there were none; those of layered materials are one."""
-    if re.search(r"has_layers|Layers(x8)?\(", types):
+    """A signature with the lanes as if they were numbers, and exact shapes as if there were none; those of other materials are one."""
+    if re.search(r"has_layers|only_matte|Layers(x8)?\(", types):
         return "layered"
     types = types.replace(_EXACT, "none")
     kinds = (("f32x8", "float32"), ("f64x8", "float64"), ("i32x8", "int64"), ("i64x8", "int64"), ("bool8", "bool"))
@@ -107,7 +107,7 @@ def test_kernels_are_compiled_once(for_any_cpu, record_property):
     """A kernel that is called with int32 here and int64 there is compiled twice, and so is all below it: a slip of types.
 
     Once for numbers and once for lanes is what the shading is made for, with exact shapes and without what the ray tracers are; what
-    layered materials ask for is not counted. Those that take tables of several kinds by design are named in `_GENERIC`.
+    layered materials and matte ones ask for is not counted. Those that take tables of several kinds by design are named in `_GENERIC`.
     """
     found = for_any_cpu["signatures"]
     record_property("kernels", len(found))

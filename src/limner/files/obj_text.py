@@ -31,6 +31,9 @@ Bytes = NDArray[np.uint8]
 Integers = NDArray[np.int64]
 Reals = NDArray[np.float64]
 
+_CONTROLS_AS_BLANKS = bytes(max(code, SPACE) for code in range(256))
+"""What separates words when they are counted also does when they are split."""
+
 
 class Text:
     """The file as bytes, and where its lines and words are.
@@ -76,7 +79,7 @@ class Text:
 
     def line(self, index: int) -> bytes:
         """The text of a line, without the keyword where it is v, vt, vn or f."""
-        return self.bytes[self.line_starts[index] : self.line_ends[index]].tobytes().strip()
+        return self.bytes[self.line_starts[index] : self.line_ends[index]].tobytes().translate(_CONTROLS_AS_BLANKS).strip()
 
     def number_of(self, index: int) -> int:
         """The number of a line as editors count, from 1, continued lines included."""

@@ -16,6 +16,7 @@ import pytest
 from limner.errors import FileFormatError, LimnerError, UnsupportedError
 from limner.files.load import load
 from limner.mesh.mesh import Mesh
+from limner.scene.line_set import LineSet
 from limner.scene.points import PointCloud
 from limner.scene.scene import Scene
 
@@ -36,7 +37,7 @@ def world_triangles(scene: Scene) -> np.ndarray:
     """Return the corners of all triangles in the world, (n, 3, 3)."""
     found = [np.zeros((0, 3, 3))]
     for placed, shape in scene.shapes():
-        if isinstance(shape.geometry, PointCloud):
+        if isinstance(shape.geometry, (LineSet, PointCloud)):
             continue
         assert isinstance(shape.geometry, Mesh)
         corners = shape.geometry.positions[shape.geometry.triangles].astype(np.float64)

@@ -97,10 +97,11 @@ FROSTED = {
 @pytest.mark.parametrize("kind", FROSTED)
 def test_white_furnace_of_rough_glass(kind):
     """With compensation glass of any roughness and index vanishes before an even sky; without, the roughest loses half."""
-    for roughness, ior, samples in ((0.1, 2.0, 32), (0.5, 1.5, 64), (1.0, 1.1, 512), (1.0, 2.0, 512)):
+    # What solids lose comes back exactly; sheets send some of it aside, by lot.
+    many = 2048 if kind == "sheet" else 128
+    for roughness, ior, samples in ((0.1, 2.0, 32), (0.5, 1.5, 64), (1.0, 1.1, many), (1.0, 2.0, many)):
         seen = picture("path", FROSTED[kind](roughness, ior, True), geometry=Sphere(1.0), samples=samples, max_depth=200)
-        # The noise of the roughest is some half of this.
-        assert seen[6:14, 6:14, :3].mean() == pytest.approx(1.0, abs=0.015)
+        assert seen[6:14, 6:14, :3].mean() == pytest.approx(1.0, abs=0.01)
     lossy = picture("path", FROSTED[kind](1.0, 1.5, False), geometry=Sphere(1.0), samples=16, max_depth=200)
     assert lossy[6:14, 6:14, :3].mean() < 0.5
 

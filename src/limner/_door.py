@@ -121,6 +121,7 @@ class Door:
         self._entry: Callable[..., int] | None = None
         self._python: Callable[..., Any] | None = None
         self._keep: Any = None
+        self._forms: dict[int, tuple[struct.Struct, struct.Struct]] = {}
         # Where what a kernel returns and what it raises go: nothing, both.
         self._nowhere = ctypes.c_int64()
         _registry[self.name] = self
@@ -149,7 +150,8 @@ class Door:
         rest = self.signature[len(arguments) :]
         if self._python is not None:
             return self._bound_python(arguments, head, rest)
-        packed, form = _packer(self.signature[: len(arguments)]).pack(*head), _packer(rest)
+        before, form = self._packers(len(arguments))
+        packed = before.pack(*head)
         first, size, entry = _RESULT_SLOTS + len(packed), _RESULT_SLOTS + len(packed) + form.size, self._entry
         packed = struct.pack("QQ", *[ctypes.addressof(self._nowhere)] * 2) + packed
         has_numbers_only = all(isinstance(kind, Scalar) for kind in rest)
@@ -168,6 +170,13 @@ class Door:
             entry(ctypes.addressof(slots))
 
         return call
+
+    def _packers(self, n: int) -> tuple[struct.Struct, struct.Struct]:
+        """How the first n arguments lie in memory, and how the rest does."""
+        found = self._forms.get(n)
+        if found is None:
+            found = self._forms[n] = _packer(self.signature[:n]), _packer(self.signature[n:])
+        return found
 
     def _bound_python(self, arguments: tuple[Any, ...], head: list[Any], rest: Signature) -> Callable[..., None]:
         def call(*more: Any) -> None:

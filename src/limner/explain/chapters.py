@@ -130,6 +130,7 @@ CHAPTERS = (
     Chapter("raster.fragment._shade_eight", "a fragment", ("instance_id", "triangle", "x", "y")),
     Chapter("raster.fragment._gouraud", "the three vertices shaded, their colours interpolated"),
     Chapter("raster.fragment._behind", "what lies behind everything"),
+    Chapter("raster.tile._add_backdrop", "the background, with the weight of the samples that see it"),
     Chapter("raster.tile._add", "added to the film", ("r", "g", "b", "alpha"), is_leaf=True),
     Chapter("raster.tile._blend_layer", "a layer put behind those before it", (), is_leaf=True),
     # What is not known by name

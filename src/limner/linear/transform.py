@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 from . import quaternion
-from .affine import about, affine, identity, in_order, transform_points, transform_vectors, window
+from .affine import about, affine, cross, identity, in_order, transform_points, transform_vectors, window
 
 __all__ = [
     "about", "affine", "basis", "compose_trs", "frame_from_gaze", "in_order", "mirror", "normal_matrix", "reflect", "rotate",
@@ -243,9 +243,9 @@ def frame_from_gaze(eye: ArrayLike, gaze: ArrayLike, up: ArrayLike) -> Matrix:
     """
     g, t = np.asarray(gaze, dtype=np.float64), np.asarray(up, dtype=np.float64)
     w = -g / np.linalg.norm(g, axis=-1, keepdims=True)
-    u = np.cross(t, w)
+    u = cross(t, w)
     u /= np.linalg.norm(u, axis=-1, keepdims=True)
-    return affine(np.stack(np.broadcast_arrays(u, np.cross(w, u), w), axis=-1), eye)
+    return affine(np.stack(np.broadcast_arrays(u, cross(w, u), w), axis=-1), eye)
 
 
 def normal_matrix(matrix: ArrayLike) -> Matrix:
@@ -264,8 +264,8 @@ def normal_matrix(matrix: ArrayLike) -> Matrix:
     **Source**: FoCG 6.2.2.
     """
     linear = np.asarray(matrix, dtype=np.float64)[..., :3, :3]
-    a, b, c = np.moveaxis(linear, -1, 0)
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+    a, b, c = linear[..., 0], linear[..., 1], linear[..., 2]
+    cofactors = np.stack([cross(b, c), cross(c, a), cross(a, b)], axis=-1)
     determinant = np.sum(a * cofactors[..., :, 0], axis=-1)
     return np.where(determinant[..., None, None] < 0.0, -cofactors, cofactors)
 

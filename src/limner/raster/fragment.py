@@ -245,12 +245,9 @@ def _shade_eight(
 
 
 @kernel
-def _behind(x: f32x8, y: f32x8, lighting, background, camera):
-    """(radiance, alpha), premultiplied, of what lies behind everything at raster points."""
-    if lighting[0][0]["sky_visible"] != 0:
-        return sky_radiance(lighting, normalize(view_ray(camera, x, y).d)), spread(ONE, x)
-    grey = spread(ZERO, x)
-    return Color(grey, grey, grey) + Color(background[0], background[1], background[2]) * background[3], spread(background[3], x)
+def _behind(x: f32x8, y: f32x8, lighting, camera):
+    """(radiance, alpha) of the sky at raster points."""
+    return sky_radiance(lighting, normalize(view_ray(camera, x, y).d)), spread(ONE, x)
 
 
 @kernel
@@ -271,7 +268,7 @@ def _chosen(fragments: Fragments, k: int, last: int, is_sorted: bool):
 
 
 @kernel
-def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, background, shadowing):
+def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lighting, frame, frequency: int, shadowing):
     """Fill the radiance and alpha of the first n fragments.
 
     `screen` (n, words) int32: the screen triangles as plain numbers. `shadowing`: a Shadowing, or None.
@@ -292,7 +289,7 @@ def shade_fragments(fragments: Fragments, n: int, screen, camera, scene, lightin
         for k in range(begin, end, 8):
             chosen, triangle, x, y = _chosen(fragments, k, end - 1, is_sorted)
             if surface < 0:
-                c, alpha = _behind(x, y, lighting, background, camera)
+                c, alpha = _behind(x, y, lighting, camera)
             else:
                 c, alpha = _shade_eight(
                     np.int64(instance_id), np.int64(material_id), triangle, x, y, camera, scene, lighting, frame, frequency, shadowing

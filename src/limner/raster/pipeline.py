@@ -242,10 +242,11 @@ def prepare(
     if has_layers:
         tables = tables._replace(materials=tables.materials.view(layouts.LAYERED_MATERIAL))
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
+    groups = len(tables.instances) * len(tables.materials) + 1
 
     def bound() -> Callable[..., None]:
         room = tile_size * tile_size * (8 if multisample and not has_blend else 1)
-        scratch = memory.of_thread(room, lambda: _scratch(room))
+        scratch = memory.of_thread((room, groups), lambda: _scratch(room, groups))
         door, rays = (_DRAW_LAYERED if has_layers else _DRAW), ()
         if shadows is not None:
             door, rays = (_DRAW_LAYERED_SHADOWED if has_layers else _DRAW_SHADOWED), _ray_arguments(shadows, tables)
@@ -485,8 +486,8 @@ def _ray_arguments(shadows: Shadows, tables: SceneTables) -> tuple[Any, ...]:
     return (*shadows.tree, shadows.media, int(shadows.tinted), has_alpha, stack, no_ends)
 
 
-def _scratch(n: int) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]:
-    """What a tile of n samples needs while it is drawn: see `tile.draw_tile`."""
+def _scratch(n: int, groups: int = 1) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32]]:
+    """What a tile of n samples needs while it is drawn (`tile.draw_tile`); `groups`: pairs of instance and material at most."""
     room = n + 16
-    table = np.empty(1 << (2 * room - 1).bit_length(), dtype=np.int32)
+    table = np.empty(1 << (2 * min(room, groups)).bit_length(), dtype=np.int32)
     return np.zeros((FLOAT_ROWS, room), dtype=np.float32), np.zeros((INT_ROWS, room), dtype=np.int32), table

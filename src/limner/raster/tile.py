@@ -10,6 +10,7 @@ from ..kernel.lanes import (
     ALL_LANES,
     add_rows,
     all_of,
+    any_of,
     at,
     count_set,
     first_set,
@@ -23,7 +24,7 @@ from ..kernel.lanes import (
     to_float,
     where,
 )
-from ..kernel.vec import ONE, ZERO
+from ..kernel.vec import ONE, ZERO, Color
 from ..tables.layouts import PERSPECTIVE
 from .fill import eight_pixels, eight_samples, fill_opaque, fill_transparent
 from .fragment import Fragments, shade_fragments
@@ -74,8 +75,8 @@ def _leave_empty(window, background, weights, first_sample: int, last_sample: in
 
 
 @kernel
-def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int, shows_behind: bool) -> int:
-    """List what one sample of every pixel sees. Returns how many fragments there are."""
+def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int, shows_sky: bool) -> int:
+    """List what one sample of every pixel sees; the sky, too, where it is shown. Returns how many fragments there are."""
     n = 0
     fx, fy = f32(ox) * _GRID_STEP, f32(oy) * _GRID_STEP
     counting = load8(_COUNTING, 0)
@@ -84,7 +85,7 @@ def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int,
         for i0 in range(0, window[2], 8):
             pixel, place = j * window[2] + i0, (window[1] + j) * width + window[0] + i0
             surface = load8(seen, pixel)
-            listed = mask_of(((surface >= 0) | shows_behind) & (counting < window[2] - i0))
+            listed = mask_of(((surface >= 0) | shows_sky) & (counting < window[2] - i0))
             if listed == 0:
                 continue
             x = to_float(counting + (window[0] + i0)) + fx
@@ -103,6 +104,42 @@ def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int,
                 fragments.x[n], fragments.y[n] = lane(x, k), y
                 n += 1
     return n
+
+
+@kernel
+def _weigh_bare(seen, n: int, weight: np.float32, bare):
+    """Fill `bare`: the weight of a pixel's only sample where it sees nothing solid, else 0."""
+    for p in range(0, n, 8):
+        store8(bare, p, where(load8(seen, p) < 0, splat8(weight), ZERO))
+
+
+@kernel
+def _add_backdrop(background, bare, layers, has_blend: bool, window, width: int, film):
+    """Add the even background with the weights in `bare`, one of each pixel; behind the blended layers where there are some."""
+    counting = load8(_COUNTING, 0)
+    opacity = splat8(background[3])
+    even = Color(opacity * background[0], opacity * background[1], opacity * background[2])
+    for j in range(window[3]):
+        for i0 in range(0, window[2], 8):
+            pixel, place = j * window[2] + i0, (window[1] + j) * width + window[0] + i0
+            left = window[2] - i0
+            w = load8(bare, pixel)
+            shown = (w != ZERO) & (counting < left)
+            if not any_of(shown):
+                continue
+            c, alpha = even, opacity
+            if has_blend:
+                red, green, blue, transmittance = layers
+                t = load8(transmittance, pixel)
+                c = Color(load8(red, pixel), load8(green, pixel), load8(blue, pixel)) + even * t
+                alpha = (ONE - t) + t * alpha
+            r, g, b, alpha = where(shown, c.r * w, ZERO), where(shown, c.g * w, ZERO), where(shown, c.b * w, ZERO), alpha * w
+            if left >= 8:
+                add_rows(film, place, r, g, b, where(shown, alpha, ZERO))
+                continue
+            for k in range(left):
+                if lane(shown, k):
+                    _add(film, place + k, lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
 
 
 @kernel
@@ -149,7 +186,7 @@ def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, ne
 
 @kernel
 def _supersample(
-    screen, binned, first, last, window, ox, oy, weight, has_blend, shows_behind, camera, scene, lighting, frame, frequency, background,
+    screen, binned, first, last, window, ox, oy, weight, has_blend, shows_sky, camera, scene, lighting, frame, frequency, background,
     floats, ints, fragments: Fragments, words, width, shadowing, film,
 ):  # fmt: skip
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
@@ -171,24 +208,34 @@ def _supersample(
             ):
                 break
             count = _list_seen(fragments, next_seen, window, width, ox, oy, False)
-            shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
+            shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
-    count = _list_seen(fragments, seen, window, width, ox, oy, shows_behind or has_blend != 0)
-    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
+    count = _list_seen(fragments, seen, window, width, ox, oy, shows_sky)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
     _add_fragments(fragments, count, layers, has_blend != 0, False, weight, film)
+    if not shows_sky and (has_blend != 0 or background[3] != ZERO):
+        _weigh_bare(seen, n, weight, floats[14])
+        _add_backdrop(background, floats[14], layers, has_blend != 0, window, width, film)
 
 
 @kernel
-def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, window, width: int, shows_behind: bool) -> int:
-    """List the surfaces that the samples of each pixel see, each once, in the middle of the samples that it covers."""
+def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, window, width: int, shows_sky: bool, bare) -> int:
+    """List the surfaces that the samples of each pixel see, each once, in the middle of the samples that it covers.
+
+    `bare` becomes the weight of those of each pixel that see nothing, where no sky is shown.
+    """
     n = 0
     column, row, weight = load8(places, 0), load8(places, 8), load8(weights, 0)
     taken = (1 << samples) - 1
+    of_all = sum8(where(lanes_of(taken), weight, ZERO))
     for j in range(window[3]):
         for i in range(window[2]):
             pixel = j * window[2] + i
             surfaces = load8(seen, 8 * pixel)
-            left = np.int64(mask_of((surfaces >= 0) | shows_behind)) & taken
+            left = np.int64(mask_of((surfaces >= 0) | shows_sky)) & taken
+            bare[pixel] = ZERO
+            if left != taken:
+                bare[pixel] = of_all if left == 0 else sum8(where(lanes_of(taken & ~left), weight, ZERO))
             while left != 0:
                 surface = lane(surfaces, first_set(left))
                 same = np.int64(mask_of(surfaces == surface)) & left
@@ -207,7 +254,7 @@ def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, wi
 
 @kernel
 def _multisample(
-    screen, binned, first, last, window, sample_places, sample_weights, first_sample, last_sample, shows_behind, camera, scene, lighting,
+    screen, binned, first, last, window, sample_places, sample_weights, first_sample, last_sample, shows_sky, camera, scene, lighting,
     frame, frequency,
     background, floats, ints, fragments: Fragments, words, width, shadowing, film,
 ):  # fmt: skip
@@ -223,10 +270,13 @@ def _multisample(
     _clear(depth, seen, farthest_depth(camera), 8 * n)
     pattern = eight_samples(places, samples, low, high)
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
-    count = _list_surfaces(fragments, seen, places, weights, samples, window, width, shows_behind)
-    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, background, shadowing)
+    bare = floats[10]
+    count = _list_surfaces(fragments, seen, places, weights, samples, window, width, shows_sky, bare)
+    shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
     none = (depth, depth, depth, depth)
     _add_fragments(fragments, count, none, False, True, ONE, film)
+    if not shows_sky and background[3] != ZERO:
+        _add_backdrop(background, bare, none, False, window, width, film)
 
 
 @kernel
@@ -242,18 +292,18 @@ def _draw(
     camera = camera_table[0]
     window = (first_column, first_row, columns, rows)
     first, last = bin_range[tile], bin_range[tile + 1]
-    shows_behind = header[0]["sky_visible"] != 0 or background[3] != ZERO
-    if first == last and header[0]["sky_visible"] == 0:
+    shows_sky = header[0]["sky_visible"] != 0
+    if first == last and not shows_sky:
         _leave_empty(window, background, sample_weights, first_sample, last_sample, width, film)
         return
     fragments = Fragments(
         ints[3], ints[4], ints[5], ints[6], ints[7], ints[8], ints[10], table,
         floats[3], floats[4], floats[5], floats[6], floats[7], floats[8], floats[9],
     )  # fmt: skip
-    if multisample != 0 and has_blend == 0:
+    if multisample != 0 and has_blend == 0 and last_sample - first_sample > 1:
         for start in range(first_sample, last_sample, 8):
             _multisample(
-                screen, binned, first, last, window, sample_places, sample_weights, start, min(start + 8, last_sample), shows_behind,
+                screen, binned, first, last, window, sample_places, sample_weights, start, min(start + 8, last_sample), shows_sky,
                 camera, scene,
                 lighting, frame, frequency, background, floats, ints, fragments, words, width, shadowing, film,
             )  # fmt: skip
@@ -261,7 +311,7 @@ def _draw(
     for s in range(first_sample, last_sample):
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
-            screen, binned, first, last, window, ox, oy, sample_weights[s], has_blend, shows_behind, camera, scene, lighting, frame,
+            screen, binned, first, last, window, ox, oy, sample_weights[s], has_blend, shows_sky, camera, scene, lighting, frame,
             frequency, background,
             floats, ints, fragments, words, width, shadowing, film,
         )  # fmt: skip
@@ -279,7 +329,8 @@ def draw_tile(
     bin_range (tiles + 1): where each tile's triangles stand in `binned`. words: `screen` as int32. sample_places (n, 2) int32: on the
     subpixel grid, and what each counts in sample_weights (n,).
     multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
-    (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, at least 2 k.
+    (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, more than twice the
+    pairs of instance and material that k samples can show.
     """
     _draw(
         instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,

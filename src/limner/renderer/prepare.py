@@ -19,8 +19,9 @@ from ..samples import pixel_samples
 from ..scene.camera import Camera
 from ..scene.environment import Environment
 from ..scene.framing import with_defaults
-from ..scene.lamp import lights_in_solids, with_lamps
+from ..scene.lamp import has_solids, lights_in_solids, with_lamps
 from ..scene.material import Dielectric, Material
+from ..scene.node import Node
 from ..scene.pose import animated, at, posed
 from ..scene.scene import Scene
 from ..tables.build import Built, View, flatten, media_table, view
@@ -42,6 +43,9 @@ class Kept:
         self._built: Built | None = None
         self._tree: tuple[Built, Accelerator] | None = None
         self._stopped: tuple[Scene, Scene] | None = None
+        self._lit: tuple[Built, Scene, Lighting] | None = None
+        self._flat: tuple[Scene, float] | None = None
+        self._whole: tuple[Node, Environment | None] | None = None
         self._sky: tuple[Environment | None, NDArray[np.float32] | None, NDArray[np.float32] | None] = (None, None, None)
 
     def forget_moment(self) -> None:
@@ -53,11 +57,10 @@ class Kept:
         if camera is not None and not isinstance(camera, Camera):
             raise SceneError(f"camera must be a PerspectiveCamera or an OrthographicCamera, got {type(camera).__name__}")
         given = self._scene_of_the_moment(choices, scene)
-        shown, messages = _completed(choices, given if camera is None else given.replace(camera=camera))
+        shown, messages = self._completed(choices, given if camera is None else given.replace(camera=camera))
         width, height, opening = choices.width, choices.height, choices.shutter[0]
         assert shown.camera is not None
-        built = flatten(shown, shown.camera, width, height, self._built, tessellate=choices.is_raster, time=opening)
-        self._built = built
+        built = self._flattened(choices, shown)
         seen = view(shown, built.tables, shown.camera, width, height, opening)
         (film, memory), self.spare = self.spare or (Film(width, height, choices.tile_size), Memory()), None
         stage: driver.Stage | None = None
@@ -72,6 +75,27 @@ class Kept:
         moments = Moments(film.sums, len(film.tiles)) if "variance" in choices.beside else None
         film.on_exposed = None if moments is None else moments.add
         return Frame(shown, shown.camera, built, seen, film, memory, work, (*messages, *built.notes, *notes), stage, moments)
+
+    def _completed(self, choices: Choices, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+        """The scene with the camera and the light that it lacks, and with its shining shapes as lights; what was done is said."""
+        known = self._whole
+        if known is not None and scene.camera is not None and scene.root is known[0] and scene.environment is known[1]:
+            return scene, ()
+        complete, messages = with_defaults(scene, choices.width / choices.height, lights=choices.default_lights)
+        made, said = with_lamps(complete, choices.shutter[0]), (*messages, *lights_in_solids(complete))
+        is_whole = made.root is scene.root and not said and not has_solids(scene)
+        self._whole = (scene.root, scene.environment) if is_whole else None
+        return made, said
+
+    def _flattened(self, choices: Choices, scene: Scene) -> Built:
+        """The tables of a scene; the last ones where only the camera is another, and they would be the same for every camera."""
+        assert scene.camera is not None
+        opening, last = choices.shutter[0], self._built
+        is_known = self._flat is not None and self._flat[0].root is scene.root and self._flat[1] == opening
+        if last is None or not last.is_for_all or not is_known:
+            last = flatten(scene, scene.camera, choices.width, choices.height, last, tessellate=choices.is_raster, time=opening)
+            self._built, self._flat = last, (scene, opening)
+        return last
 
     def _pipeline(
         self, choices: Choices, scene: Scene, built: Built, seen: View, film: Film, memory: Memory, notes: list[str]
@@ -114,6 +138,15 @@ class Kept:
         return self._tree[1]
 
     def _lighting(self, choices: Choices, scene: Scene, built: Built, moving: NDArray[np.int32] | None) -> Lighting:
+        known = self._lit
+        if known is not None and moving is None and known[0] is built and known[1].environment is scene.environment:
+            if known[1].background == scene.background:
+                return known[2]
+        made = self._made_lighting(choices, scene, built, moving)
+        self._lit = (built, scene, made) if moving is None else None
+        return made
+
+    def _made_lighting(self, choices: Choices, scene: Scene, built: Built, moving: NDArray[np.int32] | None) -> Lighting:
         environment = scene.environment
         if environment is None:
             return lighting(built.tables, None, moving=moving)
@@ -124,12 +157,6 @@ class Kept:
             self._sky = environment, pixels, blurred
         visible = scene.background == "environment"
         return lighting(built.tables, self._sky[1], environment.intensity, environment.rotation_degrees, visible, self._sky[2], moving)
-
-
-def _completed(choices: Choices, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """The scene with the camera and the light that it lacks, and with its shining shapes as lights; what was done is said."""
-    complete, messages = with_defaults(scene, choices.width / choices.height, lights=choices.default_lights)
-    return with_lamps(complete, choices.shutter[0]), (*messages, *lights_in_solids(complete))
 
 
 def settings_of(choices: Choices) -> driver.Settings:
@@ -179,6 +206,8 @@ def _sky_pixels(environment: Environment) -> NDArray[np.float32]:
 
 def _same_primitives(before: Built, now: Built) -> bool:
     """Whether a tree over one scene serves the other: the same meshes in the same places, their sides and alphas alike."""
+    if before is now:
+        return True
     a, b = before.tables, now.tables
     if len(before.meshes) != len(now.meshes) or any(x is not y for x, y in zip(before.meshes, now.meshes, strict=True)):
         return False

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError, UnsupportedError
 from ..linear import pose, transform
+from ..linear.affine import cross
 from ..linear.explain import Steps, point_to_pixel
 from ..linear.inverse import inverse_rigid
 from ..linear.project import Lens, intrinsics, lens_from_intrinsics, pixels_from_world, world_from_pixels
@@ -46,7 +47,7 @@ def _look_at(eye: Any, target: Any, up: Any) -> NDArray[np.float64]:
     t = np.array(triple(up, "camera.up"))
     if not np.linalg.norm(g) > 0.0:
         raise SceneError(f"camera.eye and camera.target must differ, both are {tuple(e.tolist())}")
-    if not np.linalg.norm(np.cross(t, g)) > 1e-9 * np.linalg.norm(t) * np.linalg.norm(g):
+    if not np.linalg.norm(cross(t, g)) > 1e-9 * np.linalg.norm(t) * np.linalg.norm(g):
         raise SceneError(f"camera.up must not be zero or along the gaze, got up {tuple(t.tolist())}, gaze {tuple(g.tolist())}")
     return transform.frame_from_gaze(e, g, t)
 
@@ -60,7 +61,7 @@ def _orbit(target: Any, distance: Any, azimuth_degrees: Any, elevation_degrees: 
     w = np.array([math.sin(azimuth) * math.cos(elevation), math.sin(elevation), math.cos(azimuth) * math.cos(elevation)])
     u = np.array([math.cos(azimuth), 0.0, -math.sin(azimuth)])
     made = np.eye(4)
-    made[:3, 0], made[:3, 1], made[:3, 2] = u, np.cross(w, u), w
+    made[:3, 0], made[:3, 1], made[:3, 2] = u, cross(w, u), w
     made[:3, 3] = np.array(triple(target, "camera.target")) + positive(distance, "distance") * w
     return made
 

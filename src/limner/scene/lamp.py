@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..linear import transform
+from ..linear.affine import cross
 from ..mesh.mesh import Mesh
 from .light import AreaLight, DiskLight, RectangleLight, SphereLight
 from .material import Dielectric, Lambert
@@ -21,7 +22,7 @@ from .node import Node
 from .scene import Scene
 from .shape import Box, Shape, Sphere
 
-__all__ = ["LampShape", "light_frame", "lights_in_solids", "with_lamps"]
+__all__ = ["LampShape", "has_solids", "light_frame", "lights_in_solids", "with_lamps"]
 
 _CORNERS = 256  # of the polygon that is seen of a disk
 
@@ -43,12 +44,12 @@ def light_frame(world_from_light: NDArray[np.float64]) -> NDArray[np.float64]:
     """(4, 4) float64: where a light stands, and its axes as unit vectors at right angles, -z along which it shines; scale left out."""
     w = world_from_light[:3, 2]
     w = w / (np.linalg.norm(w) or 1.0)
-    u = np.cross(world_from_light[:3, 1], w)
+    u = cross(world_from_light[:3, 1], w)
     if not np.linalg.norm(u) > 1e-9 * np.linalg.norm(world_from_light[:3, 1]):
-        u = np.cross((0.0, 0.0, 1.0) if abs(w[2]) < 0.9 else (1.0, 0.0, 0.0), w)
+        u = cross((0.0, 0.0, 1.0) if abs(w[2]) < 0.9 else (1.0, 0.0, 0.0), w)
     u = u / np.linalg.norm(u)
     frame = np.eye(4)
-    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = u, np.cross(w, u), w, world_from_light[:3, 3]
+    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = u, cross(w, u), w, world_from_light[:3, 3]
     return frame
 
 
@@ -100,11 +101,7 @@ def _polygon(light: DiskLight) -> NDArray[np.float64]:
 
 def lights_in_solids(scene: Scene) -> tuple[str, ...]:
     """A sentence for every light that stands in an opaque ball or box in which the camera does not stand."""
-    solids = [
-        (placed, shape.geometry) for placed, shape in scene.shapes()
-        if isinstance(shape.geometry, (Sphere, Box)) and not isinstance(shape, LampShape)
-        and not isinstance(shape.materials[0], Dielectric) and shape.materials[0].alpha_mode == "opaque"
-    ]  # fmt: skip
+    solids = [(placed, geometry) for placed, shape in scene.shapes() if (geometry := _solid(shape)) is not None]
     eye = None if scene.camera is None else scene.camera.world_from_camera[:3, 3]
     said = []
     for placed, light in scene.lights():
@@ -117,6 +114,19 @@ def lights_in_solids(scene: Scene) -> tuple[str, ...]:
             ):
                 said.append(f"the light {light.name or placed.path!r} stands inside {solid.path!r}: its light does not get out")
     return tuple(said)
+
+
+def has_solids(scene: Scene) -> bool:
+    """Whether a light or a camera can stand inside something that keeps light in."""
+    return any(_solid(shape) is not None for _, shape in scene.shapes())
+
+
+def _solid(shape: Shape) -> Sphere | Box | None:
+    """The opaque ball or box that a shape is."""
+    if not isinstance(shape.geometry, (Sphere, Box)) or isinstance(shape, LampShape):
+        return None
+    is_opaque = not isinstance(shape.materials[0], Dielectric) and shape.materials[0].alpha_mode == "opaque"
+    return shape.geometry if is_opaque else None
 
 
 def _inside(geometry: Sphere | Box, world_from_object: NDArray[np.float64], point: NDArray[np.float64]) -> bool:

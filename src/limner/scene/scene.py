@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import LimnerError, SceneError
+from ..linear.affine import cross
 from ._values import Triple, triple
 from .animation import Animation
 from .camera import Camera
@@ -80,7 +81,11 @@ class Scene:
 
     def replace(self, **changes: Any) -> Scene:
         """Return a copy with the given fields changed."""
-        return dataclasses.replace(self, **changes)
+        made = dataclasses.replace(self, **changes)
+        if made.root is self.root:
+            # What was found in the graph holds for every scene that has it.
+            vars(made).update({name: found for name, found in vars(self).items() if name in _OF_THE_GRAPH})
+        return made
 
     def at(self, time: float, animation: str | int | None = None) -> Scene:
         """The scene as it is at a time, in seconds, of an animation (its name or number; None: the first); see `limner.scene.pose.at`."""
@@ -115,7 +120,13 @@ class Scene:
 
     def lights(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Light]]:
         """Every visible light with its node."""
+        if isinstance(time, float) and time == 0.0:
+            return list(self._lights_at_first)
         return [(placed, light) for placed in self.walk(time) for light in placed.node.lights]
+
+    @cached_property
+    def _lights_at_first(self) -> list[tuple[Placed, Light]]:
+        return [(placed, light) for placed in self.walk() for light in placed.node.lights]
 
     def cameras(self) -> list[Camera]:
         """Every camera of the graph, placed in the world; negative and uneven scale of its node is taken out."""
@@ -146,6 +157,10 @@ class Scene:
 
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) float64: least and greatest corner of all bounded shapes in the world; (inf, -inf) where there are none."""
+        return self._bounds.copy()
+
+    @cached_property
+    def _bounds(self) -> NDArray[np.float64]:
         boxes: dict[int, NDArray[np.float64] | None] = {}
         found, places = [], []
         for placed, shape in self.shapes():
@@ -164,6 +179,7 @@ class Scene:
         return np.array([world.min(axis=0, initial=np.inf), world.max(axis=0, initial=-np.inf)])
 
 
+_OF_THE_GRAPH = ("_shapes_at_first", "_lights_at_first", "_bounds")
 _CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
@@ -182,8 +198,8 @@ def _rigid(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """Keep a camera's place and gaze, drop scale and shear (Gram-Schmidt from the gaze)."""
     w = matrix[:3, 2]
     w = w / (np.linalg.norm(w) or 1.0)
-    u = np.cross(matrix[:3, 1], w)
+    u = cross(matrix[:3, 1], w)
     u = u / (np.linalg.norm(u) or 1.0)
     made = np.eye(4)
-    made[:3, 0], made[:3, 1], made[:3, 2], made[:3, 3] = u, np.cross(w, u), w, matrix[:3, 3]
+    made[:3, 0], made[:3, 1], made[:3, 2], made[:3, 3] = u, cross(w, u), w, matrix[:3, 3]
     return made

@@ -87,6 +87,8 @@ class Built(NamedTuple):
     reliefs : Reliefs
     notes : tuple of str
         What could not be made as it was asked for.
+    is_for_all : bool
+        Whether every camera would have got the same: nothing is cut to a pixel's size, and nothing is lit from where it stands.
     """
 
     tables: SceneTables
@@ -96,6 +98,7 @@ class Built(NamedTuple):
     stand_ins: StandIns
     reliefs: Reliefs
     notes: tuple[str, ...]
+    is_for_all: bool
 
 
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
@@ -178,7 +181,8 @@ def flatten(
         instances, ranges, positions, triangles, numbers.behind(attributes), programs.behind(slots), material_table,
         _light_table(scene, time), texture_table, texels,
     )  # fmt: skip
-    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes)
+    is_for_all = stand_ins.is_empty and reliefs.is_empty and not any(isinstance(material, CoolToWarm) for material in materials)
+    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes, is_for_all)
 
 
 class _Meshes:

@@ -141,6 +141,10 @@ class Reliefs:
         self._made: dict[tuple[int, Displacement, Vantage], _Made] = {}
         self.notes: tuple[str, ...] = ()
 
+    @property
+    def is_empty(self) -> bool:
+        return not self._made
+
     def get(self, shape: Shape, mesh: Mesh, matrix: Floats, object_from_world: Floats, sight: Sight, path: str) -> Mesh:
         """The displaced surface of a shape that `mesh` stands for, at its place."""
         displacement = shape.displacement

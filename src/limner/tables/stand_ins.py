@@ -56,6 +56,10 @@ class StandIns:
         self._before: dict[str, Mesh] = {} if before is None else before._known
         self._known: dict[str, Mesh] = {}
 
+    @property
+    def is_empty(self) -> bool:
+        return not self._known
+
     def get(self, make: Callable[..., Mesh], *arguments: object) -> Mesh:
         """What `make` makes of these, whose names tell all about them."""
         return self.named(f"{make.__name__}{arguments}", lambda: make(*arguments))

@@ -8,6 +8,7 @@ divided by its own number. A film can be used again: what the last picture left 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from ._door import Array, Door, Scalar, Signature
 from .color.transfer import srgb_codes
 from .tiles import Tile, run_all, tiles_of
 
-__all__ = ["Film"]
+__all__ = ["ENCODING", "Film", "not_encoded"]
 
 _SUMS, _BAD, _WIDTH, _SHARE = Array(np.float32, 2), Array(np.int64, 1), Scalar(np.int64), Scalar(np.float32)
 _TILE: Signature = (Scalar(np.int64),) * 5
@@ -28,6 +29,15 @@ _ENCODE = Door(
     (_SUMS, Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), _BAD, _WIDTH, _SHARE, *_TILE),
     "developing for screens",
 )
+
+ENCODING: Signature = (Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), _BAD, _SHARE)
+"""What a kernel needs that makes bytes of its sums itself: codes, changes, the bytes, what was bad, and one over the number of samples."""
+
+
+def not_encoded() -> tuple[Any, ...]:
+    """`ENCODING` where the sums go to the film."""
+    none = np.zeros(0, dtype=np.int32)
+    return none, np.zeros(0, dtype=np.float32), none, np.zeros(0, dtype=np.int64), 1.0
 
 
 class Film:
@@ -92,6 +102,13 @@ class Film:
         words = np.zeros(self.sums.shape[:2], dtype=np.int32)
         table = srgb_codes()
         return words.view(np.uint8).reshape(self.sums.shape), *self._by(_ENCODE, table.code, table.change, words.reshape(-1))
+
+    def encoding_at_once(self, samples: int) -> tuple[NDArray[np.uint8], NDArray[np.int64], tuple[Any, ...]]:
+        """The same for who encodes a tile as soon as all its samples are there: the picture, what was bad, and `ENCODING`."""
+        words = np.zeros(self.sums.shape[:2], dtype=np.int32)
+        bad, table = np.zeros(len(self.tiles), dtype=np.int64), srgb_codes()
+        pixels = words.view(np.uint8).reshape(self.sums.shape)
+        return pixels, bad, (table.code, table.change, words.reshape(-1), bad, 1.0 / samples)
 
     def _by(self, door: Door, *arrays: NDArray[np.generic]) -> tuple[Callable[[Tile], None], NDArray[np.int64]]:
         bad = np.zeros(len(self.tiles), dtype=np.int64)

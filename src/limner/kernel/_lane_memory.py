@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from ._lane_types import EIGHT, FLOAT_LANES, I8, I32, I64, INT_LANES, LaneType
 
-__all__ = ["add_rows", "lanes_in", "load8", "prefetch", "store8", "store_rows", "store_words"]
+__all__ = ["add_rows", "add_rows_at", "lanes_in", "load8", "load_rows", "prefetch", "store8", "store_rows", "store_words"]
 
 
 def lanes_in(array: Any) -> LaneType | None:
@@ -54,6 +54,39 @@ def store8(typingctx: Any, array: Any, offset: Any, v: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(array, types.intp, kind), lower
+
+
+@intrinsic  # type: ignore[misc]
+def load_rows(typingctx: Any, array: Any, row: Any) -> Any:
+    """(a, b, c, d) of eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on: a lane for each row."""
+    fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype == types.float32
+    if not fits or not isinstance(row, types.Integer):
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        start = builder.mul(args[1], I64(4))
+
+        def shuffled(x: Any, y: Any, lanes: list[int]) -> Any:
+            return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(I32, EIGHT), lanes))
+
+        pairs = []
+        for pair in range(4):
+            pointer = builder.bitcast(builder.gep(data, [builder.add(start, I64(8 * pair))]), ir.PointerType(FLOAT_LANES.vector))
+            loaded = builder.load(pointer)
+            loaded.align = 4
+            pairs.append(loaded)
+        # Rows 0 and 4 side by side, 1 and 5, and so on; then two columns of four rows each; then one column of all.
+        sides = [shuffled(pairs[k // 2], pairs[k // 2 + 2], [4 * (k % 2) + n for n in (0, 1, 2, 3, 8, 9, 10, 11)]) for k in range(4)]
+        low, high = [0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15]
+        columns = [
+            shuffled(shuffled(sides[0], sides[1], halves), shuffled(sides[2], sides[3], halves), lanes)
+            for halves in (low, high)
+            for lanes in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
+        ]
+        return context.make_tuple(builder, sig.return_type, columns)
+
+    return types.UniTuple(FLOAT_LANES, 4)(array, types.int64), lower
 
 
 def _rows(*, adds: bool, description: str) -> Any:
@@ -101,6 +134,43 @@ store_rows = _rows(
 
 
 @intrinsic  # type: ignore[misc]
+def add_rows_at(typingctx: Any, array: Any, index: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """Add (a, b, c, d) of each lane to eight rows of a contiguous (n, 4) float32 array, from the first lane to the last."""
+    fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype == types.float32 and array.mutable
+    if not fits or index != INT_LANES or (a, b, c, d) != (FLOAT_LANES,) * 4:
+        return None
+    four = ir.VectorType(FLOAT_LANES.vector.element, 4)
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        for k, row in enumerate(rows_of_lanes(builder, args[2:])):
+            place = builder.mul(builder.sext(builder.extract_element(args[1], I32(k)), I64), I64(4))
+            pointer = builder.bitcast(builder.gep(data, [place]), ir.PointerType(four))
+            loaded = builder.load(pointer)
+            loaded.align = 4
+            builder.store(builder.fadd(loaded, row), pointer).align = 4
+        return context.get_dummy_value()
+
+    return types.void(array, index, a, b, c, d), lower
+
+
+def rows_of_lanes(builder: Any, columns: Any) -> list[Any]:
+    """Four columns of eight lanes as eight rows of four."""
+
+    def shuffled(x: Any, y: Any, lanes: list[int]) -> Any:
+        return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(I32, len(lanes)), lanes))
+
+    rows = []
+    for half in (0, 4):
+        pairs = [[half + k, half + k + 8, half + k + 1, half + k + 9] for k in (0, 2)]
+        ab, cd = ([shuffled(columns[n], columns[n + 1], lanes) for lanes in pairs] for n in (0, 2))
+        for k in range(4):
+            first = 2 * (k % 2)
+            rows.append(shuffled(ab[k // 2], cd[k // 2], [first, first + 1, first + 4, first + 5]))
+    return rows
+
+
+@intrinsic  # type: ignore[misc]
 def prefetch(typingctx: Any, array: Any, index: Any) -> Any:
     """Ask for a row of a contiguous array (an element, if it has one dimension), or for eight, to be brought near: it is soon looked at."""
     eight = index == INT_LANES
@@ -135,18 +205,9 @@ def store_words(typingctx: Any, array: Any, start: Any, step: Any, a: Any, b: An
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         data = context.make_array(sig.args[0])(context, builder, args[0]).data
-
-        def shuffled(x: Any, y: Any, lanes: list[int]) -> Any:
-            return builder.shuffle_vector(x, y, ir.Constant(ir.VectorType(I32, len(lanes)), lanes))
-
-        for half in (0, 4):
-            pairs = [[half + k, half + k + 8, half + k + 1, half + k + 9] for k in (0, 2)]
-            ab, cd = ([shuffled(args[n], args[n + 1], lanes) for lanes in pairs] for n in (3, 5))
-            for k in range(4):
-                first = 2 * (k % 2)
-                row = shuffled(ab[k // 2], cd[k // 2], [first, first + 1, first + 4, first + 5])
-                place = builder.add(args[1], builder.mul(args[2], I64(half + k)))
-                builder.store(row, builder.bitcast(builder.gep(data, [place]), ir.PointerType(four))).align = 4
+        for k, row in enumerate(rows_of_lanes(builder, args[3:])):
+            place = builder.add(args[1], builder.mul(args[2], I64(k)))
+            builder.store(row, builder.bitcast(builder.gep(data, [place]), ir.PointerType(four))).align = 4
         return context.get_dummy_value()
 
     return types.void(array, types.int64, types.int64, a, b, c, d), lower

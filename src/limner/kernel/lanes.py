@@ -30,10 +30,10 @@ import numpy as np
 from .._jit import MODE
 
 __all__ = [
-    "ALL_LANES", "add_rows", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set", "four_bytes",
-    "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "long8", "lowest", "mask_of", "max", "min", "prefetch", "put",
-    "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float", "to_int", "where",
-    "with_lane",
+    "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set",
+    "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of", "max",
+    "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float",
+    "to_int", "where", "with_lane",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -210,7 +210,7 @@ if MODE == "compiled":
         with_lane,
     )
     from ._lane_gather import at, four_bytes, put
-    from ._lane_memory import add_rows, load8, prefetch, store8, store_rows, store_words
+    from ._lane_memory import add_rows, add_rows_at, load8, load_rows, prefetch, store8, store_rows, store_words
     from ._lane_numbers import double, highest, int32, long8, lowest, single, sum8, to_float, to_int
     from ._lane_operators import register
 
@@ -291,6 +291,16 @@ else:
     def add_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
         """Add (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
         array[row : row + 8] += np.stack([a.values, b.values, c.values, d.values], axis=1)
+
+    def add_rows_at(array: np.ndarray, index: i32x8, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
+        """Add (a, b, c, d) of each lane to eight rows of a contiguous (n, 4) float32 array, from the first lane to the last."""
+        for k, row in enumerate(index.values):
+            array[row] += np.array([a.values[k], b.values[k], c.values[k], d.values[k]])
+
+    def load_rows(array: np.ndarray, row: int) -> tuple[f32x8, f32x8, f32x8, f32x8]:
+        """(a, b, c, d) of eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on: a lane for each row."""
+        a, b, c, d = (f32x8(array[row : row + 8, k].copy()) for k in range(4))
+        return a, b, c, d
 
     def store_rows(array: np.ndarray, row: int, a: f32x8, b: f32x8, c: f32x8, d: f32x8) -> None:
         """Write (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""

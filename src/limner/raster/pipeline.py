@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
 from ..accel.layouts import ACCELERATOR_ARRAYS, STACK_SIZE, Accelerator
+from ..film import ENCODING, not_encoded
 from ..tables import layouts
 from ..tables.build import View
 from ..tables.layouts import LIGHTING_ARRAYS, SCENE_ARRAYS, Lighting, SceneTables
@@ -46,7 +47,7 @@ TILE_SIZE = 64
 CULLINGS = ("material", "back", "front", "none")
 _CHUNK = 8192  # vertices or triangles that make a job worth a call
 _I64 = Scalar(np.int64)
-_AFTER_BACKGROUND = 11  # arguments of a tile's door: scratch, film, tile, samples
+_AFTER_BACKGROUND = 16  # arguments of a tile's door: scratch, film, encoding, tile, samples
 
 _TRANSFORM = Door(
     "limner.raster.vertex",
@@ -95,8 +96,7 @@ _DRAW = Door(
         *SCENE_ARRAYS, *LIGHTING_ARRAYS, Array(layouts.CAMERA, 1), Array(np.float32, 2), Array(np.int64, 1),
         Array(SCREEN_TRIANGLE, 1), Array(CUT, 1), Array(np.int32, 1), Array(np.int64, 1), Array(np.int32, 2), _I64, _I64, _I64, _I64,
         Array(np.int32, 2), Array(np.float32, 1), Array(np.float32, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1),
-        Array(np.float32, 2),
-        _I64, _I64, _I64, _I64, _I64, _I64, _I64,
+        Array(np.float32, 2), *ENCODING, _I64, _I64, _I64, _I64, _I64, _I64, _I64,
     ),
     "the raster renderer",
 )  # fmt: skip
@@ -139,6 +139,33 @@ class Shadows(NamedTuple):
     tree: Accelerator
     media: NDArray[np.void]
     tinted: bool
+
+
+class Drawing:
+    """A picture whose stages before the pixels are done: ``drawing(tile, first_sample, last_sample)`` adds to the film, from any thread.
+
+    It returns False where there was nothing to draw.
+    """
+
+    def __init__(self, bound: Callable[..., Callable[..., None]], film: NDArray[np.float32], touched: list[bool], samples: int) -> None:
+        self._bound, self._touched, self._samples = bound, touched, samples
+        self._kernel = PerThread(lambda: bound(film.reshape(-1, 4), *not_encoded()))
+
+    def __call__(self, tile: Tile, first_sample: int, last_sample: int) -> bool:
+        if not self._touched[tile.number]:
+            return False
+        self._kernel.value(*tile, first_sample, last_sample)
+        return True
+
+    def to_bytes(self, room: int, *encoding: Any) -> Callable[[Tile], None]:
+        """What draws all samples of a tile and encodes them (`Film.encoding_at_once`), with no film: a tile has `room` pixels at most."""
+        kernel = PerThread(lambda: self._bound(np.empty((room, 4), dtype=np.float32), *encoding))
+
+        def draw_tile(tile: Tile) -> None:
+            if self._touched[tile.number]:
+                kernel.value(*tile, 0, self._samples)
+
+        return draw_tile
 
 
 class Vertices(NamedTuple):
@@ -195,10 +222,8 @@ def prepare(
     sample_weights: NDArray[np.float32] | None = None,
     shadows: Shadows | None = None,
     memory: Memory | None = None,
-) -> Callable[[Tile, int, int], bool]:
-    """Run the stages before the pixels. What comes back draws a range of the samples of a tile, from any thread.
-
-    It returns False where there was nothing to draw.
+) -> Drawing:
+    """Run the stages before the pixels.
 
     Parameters
     ----------
@@ -244,7 +269,7 @@ def prepare(
     has_blend = int((tables.materials["alpha_mode"] == layouts.BLEND).any())
     groups = len(tables.instances) * len(tables.materials) + 1
 
-    def bound() -> Callable[..., None]:
+    def bound(*sums: Any) -> Callable[..., None]:
         room = tile_size * tile_size * (8 if multisample and not has_blend else 1)
         scratch = memory.of_thread((room, groups), lambda: _scratch(room, groups))
         door, rays = (_DRAW_LAYERED if has_layers else _DRAW), ()
@@ -252,21 +277,13 @@ def prepare(
             door, rays = (_DRAW_LAYERED_SHADOWED if has_layers else _DRAW_SHADOWED), _ray_arguments(shadows, tables)
         return door.bind(
             *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,
-            background, *rays, *scratch, film.reshape(-1, 4),
+            background, *rays, *scratch, *sums,
         )  # fmt: skip
 
-    kernel = PerThread(bound)
-    # Plain numbers: a tile is asked in less time than NumPy takes to find one.
-    is_touched = (np.diff(bins.ranges) > 0).tolist()
     shows_behind = bool(lighting.header[0]["sky_visible"]) or bool(background[3] != 0.0)
-
-    def draw_tile(tile: Tile, first_sample: int, last_sample: int) -> bool:
-        if not (is_touched[tile.number] or shows_behind):
-            return False
-        kernel.value(*tile, first_sample, last_sample)
-        return True
-
-    return draw_tile
+    # Plain numbers: a tile is asked in less time than NumPy takes to find one.
+    touched = (shows_behind | (np.diff(bins.ranges) > 0)).tolist()
+    return Drawing(bound, film, touched, len(sample_places))
 
 
 def draw_channels(

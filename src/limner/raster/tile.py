@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from .._jit import kernel
 from ..accel.walk import exact_tables
+from ..film_kernel import clear_rows, encode_rows
 from ..kernel.lanes import (
     ALL_LANES,
     add_rows,
+    add_rows_at,
     all_of,
     any_of,
     at,
     count_set,
     first_set,
+    i32x8,
     lane,
     lanes_of,
     load8,
@@ -37,8 +42,17 @@ f32, i32 = np.float32, np.int32
 _GRID_STEP = f32(1.0 / SUBPIXELS)
 _COUNTING = np.arange(8, dtype=np.int32)
 _MAX_LAYERS = 64
+_SHARES = np.array([0.0, *(1.0 / n for n in range(1, 9))], dtype=np.float32)
 _NOTHING = i32(-1)
 _NEAREST_POSSIBLE = f32(3e38)
+
+
+class Target(NamedTuple):
+    """Where the sums of a tile's pixels stand: pixel (i, j) of it in row origin + j stride + i."""
+
+    sums: np.ndarray  # (n, 4) float32
+    stride: int
+    origin: int
 
 
 @kernel
@@ -62,20 +76,22 @@ def _add(film, place: int, r: np.float32, g: np.float32, b: np.float32, alpha: n
 
 
 @kernel
-def _leave_empty(window, background, weights, first_sample: int, last_sample: int, width: int, film):
-    """A tile that nothing touches; sample by sample, so that it has the bits of a pixel that merely sees nothing."""
-    if background[3] == ZERO:
-        return
-    r, g, b, alpha = background[0] * background[3], background[1] * background[3], background[2] * background[3], background[3]
-    for s in range(first_sample, last_sample):
-        weight = weights[s]
-        for j in range(window[1], window[1] + window[3]):
-            for i in range(window[0], window[0] + window[2]):
-                _add(film, j * width + i, r * weight, g * weight, b * weight, alpha * weight)
+def _leave_empty(window, background, weight: np.float32, target: Target):
+    """The even background for a tile that nothing touches, with the bits of a pixel that merely sees nothing."""
+    opacity = background[3]
+    r, g, b = opacity * background[0] * weight, opacity * background[1] * weight, opacity * background[2] * weight
+    alpha = opacity * weight
+    for j in range(window[3]):
+        place = target.origin + j * target.stride
+        whole = window[2] - window[2] % 8
+        for i in range(0, whole, 8):
+            add_rows(target.sums, place + i, splat8(r), splat8(g), splat8(b), splat8(alpha))
+        for i in range(whole, window[2]):
+            _add(target.sums, place + i, r, g, b, alpha)
 
 
 @kernel
-def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int, shows_sky: bool) -> int:
+def _list_seen(fragments: Fragments, seen, window, target: Target, ox: int, oy: int, shows_sky: bool) -> int:
     """List what one sample of every pixel sees; the sky, too, where it is shown. Returns how many fragments there are."""
     n = 0
     fx, fy = f32(ox) * _GRID_STEP, f32(oy) * _GRID_STEP
@@ -83,7 +99,7 @@ def _list_seen(fragments: Fragments, seen, window, width: int, ox: int, oy: int,
     for j in range(window[3]):
         y = f32(window[1] + j) + fy
         for i0 in range(0, window[2], 8):
-            pixel, place = j * window[2] + i0, (window[1] + j) * width + window[0] + i0
+            pixel, place = j * window[2] + i0, target.origin + j * target.stride + i0
             surface = load8(seen, pixel)
             listed = mask_of(((surface >= 0) | shows_sky) & (counting < window[2] - i0))
             if listed == 0:
@@ -114,14 +130,14 @@ def _weigh_bare(seen, n: int, weight: np.float32, bare):
 
 
 @kernel
-def _add_backdrop(background, bare, layers, has_blend: bool, window, width: int, film):
+def _add_backdrop(background, bare, layers, has_blend: bool, window, target: Target):
     """Add the even background with the weights in `bare`, one of each pixel; behind the blended layers where there are some."""
     counting = load8(_COUNTING, 0)
     opacity = splat8(background[3])
     even = Color(opacity * background[0], opacity * background[1], opacity * background[2])
     for j in range(window[3]):
         for i0 in range(0, window[2], 8):
-            pixel, place = j * window[2] + i0, (window[1] + j) * width + window[0] + i0
+            pixel, place = j * window[2] + i0, target.origin + j * target.stride + i0
             left = window[2] - i0
             w = load8(bare, pixel)
             shown = (w != ZERO) & (counting < left)
@@ -135,15 +151,15 @@ def _add_backdrop(background, bare, layers, has_blend: bool, window, width: int,
                 alpha = (ONE - t) + t * alpha
             r, g, b, alpha = where(shown, c.r * w, ZERO), where(shown, c.g * w, ZERO), where(shown, c.b * w, ZERO), alpha * w
             if left >= 8:
-                add_rows(film, place, r, g, b, where(shown, alpha, ZERO))
+                add_rows(target.sums, place, r, g, b, where(shown, alpha, ZERO))
                 continue
             for k in range(left):
                 if lane(shown, k):
-                    _add(film, place + k, lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
+                    _add(target.sums, place + k, lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
 
 
 @kernel
-def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, has_weights: bool, weight: np.float32, film):
+def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, has_weights: bool, weight: np.float32, sums):
     """Add the shaded fragments to the film, in their order; behind the blended layers where there are some.
 
     Each with its own weight, or all with the same.
@@ -163,11 +179,13 @@ def _add_fragments(fragments: Fragments, n: int, layers, has_blend: bool, has_we
         r, g, b, alpha = r * w, g * w, b * w, alpha * w
         place = load8(fragments.place, start)
         first = np.int64(lane(place, 0))
-        if start + 8 <= n and all_of(place == counting + first):
-            add_rows(film, first, r, g, b, alpha)
-            continue
-        for k in range(min(8, n - start)):
-            _add(film, np.int64(lane(place, k)), lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
+        if start + 8 > n:
+            for k in range(n - start):
+                _add(sums, np.int64(lane(place, k)), lane(r, k), lane(g, k), lane(b, k), lane(alpha, k))
+        elif all_of(place == counting + first):
+            add_rows(sums, first, r, g, b, alpha)
+        else:
+            add_rows_at(sums, place, r, g, b, alpha)
 
 
 @kernel
@@ -187,7 +205,7 @@ def _blend_layer(fragments: Fragments, n: int, layers, last_depth, last_seen, ne
 @kernel
 def _supersample(
     screen, binned, first, last, window, ox, oy, weight, has_blend, shows_sky, camera, scene, lighting, frame, frequency, background,
-    floats, ints, fragments: Fragments, words, width, shadowing, film,
+    floats, ints, fragments: Fragments, words, shadowing, target: Target,
 ):  # fmt: skip
     """One sample of every pixel, shaded for itself (FoCG 8.3): opaque first, then transparent layers from the front."""
     depth, last_depth, next_depth = floats[0], floats[1], floats[2]
@@ -207,19 +225,29 @@ def _supersample(
                 screen, binned, first, last, window, pattern, camera, scene, frame, depth, last_depth, last_seen, next_depth, next_seen
             ):
                 break
-            count = _list_seen(fragments, next_seen, window, width, ox, oy, False)
+            count = _list_seen(fragments, next_seen, window, target, ox, oy, False)
             shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
             _blend_layer(fragments, count, layers, last_depth, last_seen, next_depth, next_seen)
-    count = _list_seen(fragments, seen, window, width, ox, oy, shows_sky)
+    count = _list_seen(fragments, seen, window, target, ox, oy, shows_sky)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
-    _add_fragments(fragments, count, layers, has_blend != 0, False, weight, film)
+    _add_fragments(fragments, count, layers, has_blend != 0, False, weight, target.sums)
     if not shows_sky and (has_blend != 0 or background[3] != ZERO):
         _weigh_bare(seen, n, weight, floats[14])
-        _add_backdrop(background, floats[14], layers, has_blend != 0, window, width, film)
+        _add_backdrop(background, floats[14], layers, has_blend != 0, window, target)
 
 
 @kernel
-def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, window, width: int, shows_sky: bool, bare) -> int:
+def _middle(column: i32x8, row: i32x8, covered: int):
+    """(x, y) of the middle of the samples in a mask, relative to the centre of their pixel."""
+    step = _GRID_STEP * _SHARES[count_set(covered)]
+    x, y = sum8(where(lanes_of(covered), column, 0)), sum8(where(lanes_of(covered), row, 0))
+    return f32(x) * step, f32(y) * step
+
+
+@kernel
+def _list_surfaces(
+    fragments: Fragments, seen, places, weights, samples: int, window, target: Target, shows_sky: bool, bare
+) -> int:
     """List the surfaces that the samples of each pixel see, each once, in the middle of the samples that it covers.
 
     `bare` becomes the weight of those of each pixel that see nothing, where no sky is shown.
@@ -227,11 +255,25 @@ def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, wi
     n = 0
     column, row, weight = load8(places, 0), load8(places, 8), load8(weights, 0)
     taken = (1 << samples) - 1
-    of_all = sum8(where(lanes_of(taken), weight, ZERO))
+    all_taken = lanes_of(taken)
+    of_all = sum8(where(all_taken, weight, ZERO))
+    middle_x, middle_y = _middle(column, row, taken)
     for j in range(window[3]):
         for i in range(window[2]):
             pixel = j * window[2] + i
             surfaces = load8(seen, 8 * pixel)
+            only = lane(surfaces, 0)
+            if all_of((surfaces == only) | ~all_taken):
+                # Most pixels see one thing.
+                is_listed = only >= 0 or shows_sky
+                bare[pixel] = ZERO if is_listed else of_all
+                if is_listed:
+                    fragments.surface[n], fragments.pixel[n] = only, pixel
+                    fragments.place[n] = target.origin + j * target.stride + i
+                    fragments.x[n], fragments.y[n] = f32(window[0] + i) + middle_x, f32(window[1] + j) + middle_y
+                    fragments.weight[n] = of_all
+                    n += 1
+                continue
             left = np.int64(mask_of((surfaces >= 0) | shows_sky)) & taken
             bare[pixel] = ZERO
             if left != taken:
@@ -240,52 +282,65 @@ def _list_surfaces(fragments: Fragments, seen, places, weights, samples: int, wi
                 surface = lane(surfaces, first_set(left))
                 same = np.int64(mask_of(surfaces == surface)) & left
                 left = left & ~same
-                share = ONE / f32(count_set(same))
-                covered = lanes_of(same)
-                ox, oy = sum8(where(covered, column, 0)), sum8(where(covered, row, 0))
+                dx, dy = _middle(column, row, same)
                 fragments.surface[n], fragments.pixel[n] = surface, pixel
-                fragments.place[n] = (window[1] + j) * width + window[0] + i
-                fragments.x[n] = f32(window[0] + i) + f32(ox) * _GRID_STEP * share
-                fragments.y[n] = f32(window[1] + j) + f32(oy) * _GRID_STEP * share
-                fragments.weight[n] = sum8(where(covered, weight, ZERO))
+                fragments.place[n] = target.origin + j * target.stride + i
+                fragments.x[n], fragments.y[n] = f32(window[0] + i) + dx, f32(window[1] + j) + dy
+                fragments.weight[n] = sum8(where(lanes_of(same), weight, ZERO))
                 n += 1
     return n
+
+
+@kernel
+def _fetch_samples(sample_places, sample_weights, first: int, last: int, places, weights):
+    """Fill places (16,) and weights (8,) with up to eight samples, the last one repeated; returns the least and the greatest place."""
+    low, high = 0, 0
+    for s in range(8):
+        row = min(first + s, last - 1)
+        places[s], places[8 + s], weights[s] = sample_places[row, 0], sample_places[row, 1], sample_weights[row]
+        low = min(low, min(np.int64(places[s]), np.int64(places[8 + s])))
+        high = max(high, max(np.int64(places[s]), np.int64(places[8 + s])))
+    return low, high
+
+
+@kernel
+def _leave_group_empty(sample_places, sample_weights, first: int, last: int, window, background, floats, ints, target: Target):
+    """`_leave_empty` for up to eight samples that are taken at once."""
+    _fetch_samples(sample_places, sample_weights, first, last, ints[9], floats[14])
+    taken = lanes_of((1 << (last - first)) - 1)
+    _leave_empty(window, background, sum8(where(taken, load8(floats[14], 0), ZERO)), target)
 
 
 @kernel
 def _multisample(
     screen, binned, first, last, window, sample_places, sample_weights, first_sample, last_sample, shows_sky, camera, scene, lighting,
     frame, frequency,
-    background, floats, ints, fragments: Fragments, words, width, shadowing, film,
+    background, floats, ints, fragments: Fragments, words, shadowing, target: Target,
 ):  # fmt: skip
     """Up to eight samples of every pixel; what covers several of them is shaded once, in the middle of those it covers."""
     depth, seen, places, weights = floats[0], ints[0], ints[9], floats[14]
     n, samples = window[2] * window[3], last_sample - first_sample
-    low, high = 0, 0
-    for s in range(8):
-        row = min(first_sample + s, last_sample - 1)
-        places[s], places[8 + s], weights[s] = sample_places[row, 0], sample_places[row, 1], sample_weights[row]
-        low = min(low, min(np.int64(places[s]), np.int64(places[8 + s])))
-        high = max(high, max(np.int64(places[s]), np.int64(places[8 + s])))
+    low, high = _fetch_samples(sample_places, sample_weights, first_sample, last_sample, places, weights)
     _clear(depth, seen, farthest_depth(camera), 8 * n)
     pattern = eight_samples(places, samples, low, high)
     fill_opaque(screen, binned, first, last, window, pattern, camera, scene, frame, depth, seen)
     bare = floats[10]
-    count = _list_surfaces(fragments, seen, places, weights, samples, window, width, shows_sky, bare)
+    count = _list_surfaces(fragments, seen, places, weights, samples, window, target, shows_sky, bare)
     shade_fragments(fragments, count, words, camera, scene, lighting, frame, frequency, shadowing)
     none = (depth, depth, depth, depth)
-    _add_fragments(fragments, count, none, False, True, ONE, film)
+    _add_fragments(fragments, count, none, False, True, ONE, target.sums)
     if not shows_sky and background[3] != ZERO:
-        _add_backdrop(background, bare, none, False, window, width, film)
+        _add_backdrop(background, bare, none, False, window, target)
 
 
 @kernel
-def _draw(
+def _expose(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
-    multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film,
+    multisample, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, target: Target,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
+    """Add some samples of a tile to its sums."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     lighting = (header, sky, sky_cumulative, emitters, blurred)
     frame = (vertices, first_vertex, cuts)
@@ -293,8 +348,8 @@ def _draw(
     window = (first_column, first_row, columns, rows)
     first, last = bin_range[tile], bin_range[tile + 1]
     shows_sky = header[0]["sky_visible"] != 0
-    if first == last and not shows_sky:
-        _leave_empty(window, background, sample_weights, first_sample, last_sample, width, film)
+    is_empty = first == last and not shows_sky
+    if is_empty and background[3] == ZERO:
         return
     fragments = Fragments(
         ints[3], ints[4], ints[5], ints[6], ints[7], ints[8], ints[10], table,
@@ -302,27 +357,57 @@ def _draw(
     )  # fmt: skip
     if multisample != 0 and has_blend == 0 and last_sample - first_sample > 1:
         for start in range(first_sample, last_sample, 8):
+            end = min(start + 8, last_sample)
+            if is_empty:
+                _leave_group_empty(sample_places, sample_weights, start, end, window, background, floats, ints, target)
+                continue
             _multisample(
-                screen, binned, first, last, window, sample_places, sample_weights, start, min(start + 8, last_sample), shows_sky,
+                screen, binned, first, last, window, sample_places, sample_weights, start, end, shows_sky,
                 camera, scene,
-                lighting, frame, frequency, background, floats, ints, fragments, words, width, shadowing, film,
+                lighting, frame, frequency, background, floats, ints, fragments, words, shadowing, target,
             )  # fmt: skip
         return
     for s in range(first_sample, last_sample):
+        if is_empty:
+            _leave_empty(window, background, sample_weights[s], target)
+            continue
         ox, oy = np.int64(sample_places[s, 0]), np.int64(sample_places[s, 1])
         _supersample(
             screen, binned, first, last, window, ox, oy, sample_weights[s], has_blend, shows_sky, camera, scene, lighting, frame,
             frequency, background,
-            floats, ints, fragments, words, width, shadowing, film,
+            floats, ints, fragments, words, shadowing, target,
         )  # fmt: skip
+
+
+@kernel
+def _draw(
+    instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+    header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
+    multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film, codes, changes, encoded,
+    bad, share, tile, first_column, first_row, columns, rows, first_sample, last_sample,
+):  # fmt: skip
+    is_encoded = encoded.shape[0] > 0
+    first = first_row * width + first_column
+    if is_encoded:
+        clear_rows(film, 0, columns, columns, rows)
+    target = Target(film, columns if is_encoded else width, 0 if is_encoded else first)
+    _expose(
+        instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
+        header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words,
+        has_blend, multisample, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, target,
+        tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    )  # fmt: skip
+    if is_encoded:
+        out = (encoded.shape[0] // width - 1 - first_row) * width + first_column
+        bad[tile] = encode_rows(film, 0, columns, codes, changes, encoded, out, width, share, columns, rows)
 
 
 @kernel
 def draw_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
-    multisample, width, frequency, sample_places, sample_weights, background, floats, ints, table, film,
-    tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    multisample, width, frequency, sample_places, sample_weights, background, floats, ints, table, film, codes, changes, encoded, bad,
+    share, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Draw some samples of a tile and add them to the film (height * width, 4), premultiplied, row 0 at the bottom.
 
@@ -331,12 +416,15 @@ def draw_tile(
     multisample: 0: every sample is shaded for itself, as it also is where there is transparency. floats (FLOAT_ROWS, k), ints
     (INT_ROWS, k): scratch memory for 1, or 8 if multisampled, samples of a tile, and 16 more. table: a power of two, more than twice the
     pairs of instance and material that k samples can show.
+
+    encoded (height * width,) int32: where it is not empty, the tile becomes bytes at once, as `film_kernel.encode_tile` makes them with
+    codes, changes, bad and share, and film (columns * rows, 4) is scratch memory, too.
     """
     _draw(
         instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
         header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words,
         has_blend, multisample, width, frequency, sample_places, sample_weights, background, None, floats, ints, table, film,
-        tile, first_column, first_row, columns, rows, first_sample, last_sample,
+        codes, changes, encoded, bad, share, tile, first_column, first_row, columns, rows, first_sample, last_sample,
     )  # fmt: skip
 
 
@@ -346,7 +434,7 @@ def draw_shadowed_tile(
     header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words, has_blend,
     multisample, width, frequency, sample_places, sample_weights, background, nodes, packs, tags, primitives, planes, media,
     tinted, has_alpha, stack, ends,
-    floats, ints, table, film,
+    floats, ints, table, film, codes, changes, encoded, bad, share,
     tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """As `draw_tile`, with the shadows that rays through a tree find: nodes, primitives, corners and planes are an Accelerator.
@@ -359,7 +447,7 @@ def draw_shadowed_tile(
         instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
         header, sky, sky_cumulative, emitters, blurred, camera_table, vertices, first_vertex, screen, cuts, binned, bin_range, words,
         has_blend, multisample, width, frequency, sample_places, sample_weights, background, shadowing, floats, ints, table, film,
-        tile, first_column, first_row, columns, rows, first_sample, last_sample,
+        codes, changes, encoded, bad, share, tile, first_column, first_row, columns, rows, first_sample, last_sample,
     )  # fmt: skip
 
 

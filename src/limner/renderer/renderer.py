@@ -25,6 +25,7 @@ from ..errors import RenderError, SceneError, UnsupportedError
 from ..image.denoise import denoised
 from ..image.image import Image
 from ..progress import Meter, OnProgress
+from ..raster.pipeline import Drawing
 from ..scene.camera import Camera
 from ..scene.scene import Scene
 from ..tables.build import names
@@ -266,6 +267,12 @@ class Renderer:
         except MemoryError:
             raise RenderError(f"there is not enough memory for a picture of {self._choices.width} x {self._choices.height}") from None
         film = frame.film
+        if encode and len(ends) == 1 and isinstance(frame.work, Drawing) and frame.moments is None:
+            encoded = self._encoded_at_once(frame, frame.work, meter, cancel)
+            if encoded is not None:
+                self._kept.spare = film, frame.memory
+                yield encoded
+                return
         first = 0
         for last in ends:
             is_wanted = every or last == ends[-1]
@@ -286,6 +293,17 @@ class Renderer:
                     self._kept.spare = film, frame.memory
                 yield picture
             first = last
+
+    def _encoded_at_once(
+        self, frame: Frame, drawing: Drawing, meter: Meter, cancel: threading.Event | None
+    ) -> NDArray[np.uint8] | None:
+        """The picture without a film: each tile is bytes before the next begins. None where the film is needed to tell what is wrong."""
+        pixels, bad, encoding = frame.film.encoding_at_once(self._choices.samples)
+        self.slips = ()
+        with contextlib.suppress(Cancelled, KeyboardInterrupt):
+            draw = drawing.to_bytes(self._choices.tile_size**2, *encoding)
+            run_all(draw, frame.film.tiles, self._choices.threads, meter.report, cancel)
+        return None if bad.any() else pixels
 
     def _expose(
         self,

@@ -35,7 +35,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import DTypeLike
+from numpy.typing import DTypeLike, NDArray
 
 from . import _jit
 
@@ -130,9 +130,9 @@ class Door:
         """Run the kernel; the interpreter's lock is released meanwhile."""
         self.bind(*arguments)()
 
-    def bind(self, *arguments: Any) -> Callable[..., None]:
-        """Convert the leading arguments once; the result takes the remaining ones."""
-        bound, calls = self._bound(*arguments), _witness.calls
+    def bind(self, *arguments: Any, for_one_thread: bool = False) -> Callable[..., None]:
+        """Convert the leading arguments once; the result takes the remaining ones, from any thread, or a little faster from one."""
+        bound, calls = self._bound(*arguments, for_one_thread=for_one_thread), _witness.calls
         if calls is None:
             return bound
 
@@ -144,7 +144,7 @@ class Door:
 
         return call
 
-    def _bound(self, *arguments: Any) -> Callable[..., None]:
+    def _bound(self, *arguments: Any, for_one_thread: bool) -> Callable[..., None]:
         self.open()
         head = self._converted(arguments, self.signature)
         rest = self.signature[len(arguments) :]
@@ -156,13 +156,16 @@ class Door:
         packed = struct.pack("QQ", *[ctypes.addressof(self._nowhere)] * 2) + packed
         has_numbers_only = all(isinstance(kind, Scalar) for kind in rest)
         assert entry is not None
+        own = ctypes.create_string_buffer(packed, size) if for_one_thread else None
 
         def call(*more: Any) -> None:
             # `arguments` is held by this function: the arrays must outlive the addresses in `packed`.
             if len(more) != len(rest):
                 raise self._wrong_count(len(arguments) + len(more))
-            slots = ctypes.create_string_buffer(size)
-            ctypes.memmove(slots, packed, first)
+            slots = own
+            if slots is None:
+                slots = ctypes.create_string_buffer(size)
+                ctypes.memmove(slots, packed, first)
             try:
                 form.pack_into(slots, first, *(more if has_numbers_only else self._converted(more, rest)))
             except struct.error:
@@ -305,7 +308,15 @@ def _flatten(value: Any, kind: Array | Scalar, name: str) -> list[Any]:
     (checked,) = _checked(value, kind, name)
     if isinstance(kind, Scalar):
         return [checked.item()]
-    return [0, 0, checked.size, checked.itemsize, checked.ctypes.data, *checked.shape, *checked.strides]
+    return [0, 0, checked.size, checked.itemsize, _address(checked), *checked.shape, *checked.strides]
+
+
+def _address(array: NDArray[Any]) -> int:
+    """Where an array's numbers begin, found in a third of the time that ``array.ctypes.data`` takes: a picture hands over a hundred."""
+    try:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))  # type: ignore[arg-type]  # an array is a buffer
+    except (TypeError, ValueError, BufferError):  # not to be written to, or empty
+        return array.ctypes.data
 
 
 _RESULT_SLOTS = 16

@@ -277,7 +277,7 @@ def prepare(
             door, rays = (_DRAW_LAYERED_SHADOWED if has_layers else _DRAW_SHADOWED), _ray_arguments(shadows, tables)
         return door.bind(
             *tables, *lighting, view.camera, *vertices, *bins, words, has_blend, multisample, width, frequency, sample_places, weights,
-            background, *rays, *scratch, *sums,
+            background, *rays, *scratch, *sums, for_one_thread=True,
         )  # fmt: skip
 
     shows_behind = bool(lighting.header[0]["sky_visible"]) or bool(background[3] != 0.0)

@@ -126,6 +126,7 @@ class Kept:
                 time, animation = choices.moment
                 stopped = at(scene, time, animation) if time is not None else animated(scene, animation, opening)
             self._stopped = scene, posed(stopped, opening)
+            self._stopped[1].bounds()  # found once for the pictures of all cameras
         return self._stopped[1]
 
     def _accelerator(self, built: Built, moved: Instants) -> Accelerator:

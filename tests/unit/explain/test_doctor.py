@@ -16,7 +16,7 @@ from limner.errors import UnsupportedError
 from limner.explain.doctor import doctor
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
-from limner.mesh.primitives import box, uv_sphere
+from limner.mesh.shapes.primitives import box, uv_sphere
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.environment import Environment
 from limner.scene.library import BUILTINS, builtin

@@ -21,8 +21,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
-from .sizes import finite_points
+from ...errors import SceneError
+from ..sizes import finite_points
 
 __all__ = ["MOST_CORNERS", "oriented_outlines", "triangulated"]
 

@@ -22,13 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
-from .adjacency import following
-from .defects import as_rows_of_bits, degenerate_triangles, duplicate_triangles, linked_within, t_junctions
+from ...errors import SceneError
+from ..adjacency import following
+from ..examine.defects import as_rows_of_bits, degenerate_triangles, duplicate_triangles, linked_within, t_junctions
+from ..examine.topology import boundary_chains, components, corner_fans, orientation_flips
+from ..mesh import Mesh
 from .draft import Draft
 from .holes import MAX_LEAST_AREA, triangulate_loop
-from .mesh import Mesh
-from .topology import boundary_chains, components, corner_fans, orientation_flips
 
 __all__ = ["RepairReport", "repair"]
 

@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .mesh import Mesh
-from .sizes import check_length, edge_lengths
+from ..mesh import Mesh
+from ..sizes import check_length, edge_lengths
 
 __all__ = ["box", "cube", "dodecahedron", "icosahedron", "icosahedron_corners", "octahedron", "tetrahedron"]
 

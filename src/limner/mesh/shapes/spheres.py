@@ -12,10 +12,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
-from .mesh import Mesh
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..sizes import check_count, check_length, check_triangles, edge_lengths
 from .platonic import icosahedron_corners
-from .sizes import check_count, check_length, check_triangles, edge_lengths
 
 __all__ = ["icosphere", "sphere", "superquadric", "uv_sphere"]
 

@@ -22,10 +22,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
-from .adjacency import Adjacency, adjacency, following
-from .components import component_labels
-from .mesh import Mesh
+from ...errors import SceneError
+from ..adjacency import Adjacency, adjacency, following
+from ..components import component_labels
+from ..mesh import Mesh
 
 __all__ = [
     "Surface", "adjacent", "boundary_chains", "boundary_loops", "bow_tie_vertices", "components", "corner_fans", "cross_caps", "deficit",
@@ -268,7 +268,7 @@ def _partners(ends: Indices) -> list[list[tuple[int, int]]]:
 def euler_characteristic(surface: Surface) -> int:
     """Count ``V - E + F`` over the vertices that triangles use; collapsed triangles count for nothing.
 
-    >>> from limner.mesh.primitives import box, torus
+    >>> from limner.mesh.shapes.primitives import box, torus
     >>> euler_characteristic(box()), euler_characteristic(torus())
     (2, 0)
 

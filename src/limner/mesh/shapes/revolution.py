@@ -13,11 +13,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..sizes import check_count, check_length, check_triangles, finite_points
 from .bands import halved
-from .mesh import Mesh
 from .profile import creased_profile
-from .sizes import check_count, check_length, check_triangles, finite_points
 
 __all__ = ["capsule", "cone", "cylinder", "disk", "revolution", "torus"]
 

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .adjacency import Adjacency, adjacency
+from ..adjacency import Adjacency, adjacency
+from ..mesh import Mesh
 from .defects import degenerate_triangles, duplicate_triangles, duplicate_vertices, t_junctions, unused_vertices
-from .mesh import Mesh
 from .topology import (
     boundary_loops,
     bow_tie_vertices,
@@ -57,7 +57,7 @@ class TopologyReport:
     n_boundary_edges : int
         Edges with one triangle.
     is_closed, is_manifold, is_manifold_with_boundary, is_consistently_oriented, is_orientable : bool
-        See `limner.mesh.topology`.
+        See `limner.mesh.examine.topology`.
     non_manifold_edges : tuple of (int, int)
         Vertices of edges of more than two triangles.
     bow_tie_vertices : tuple of int
@@ -174,7 +174,7 @@ def topology_report(mesh: Mesh, *, tolerance: float | None = None, surface: Adja
 
     Examples
     --------
-    >>> from limner.mesh.primitives import torus
+    >>> from limner.mesh.shapes.primitives import torus
     >>> print(topology_report(torus()))
     torus: sound
       2048 vertices, 6144 edges, 4096 triangles, 1 piece

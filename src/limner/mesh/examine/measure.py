@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
-from .adjacency import Adjacency, adjacency
-from .mesh import Mesh
-from .normals import inner, triangle_vectors
+from ...errors import SceneError
+from ..adjacency import Adjacency, adjacency
+from ..mesh import Mesh
+from ..normals import inner, triangle_vectors
 from .topology import (
     boundary_loops,
     components,
@@ -44,7 +44,7 @@ def triangle_areas(mesh: Mesh) -> Floats:
 def area(mesh: Mesh) -> float:
     """The area of all triangles, square metres.
 
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> area(box((1.0, 2.0, 3.0)))
     22.0
     """
@@ -78,7 +78,7 @@ def volume(mesh: Mesh, surface: Adjacency | None = None) -> float:
 
     Raises SceneError where the surface is not closed or not oriented consistently.
 
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> volume(box((1.0, 2.0, 3.0)))
     6.0
 
@@ -174,7 +174,7 @@ def corner_angles(mesh: Mesh) -> Floats:
 def summary(mesh: Mesh) -> dict[str, Any]:
     """Counts and measures of a mesh as plain values that JSON can hold; None where a measure has no meaning.
 
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> facts = summary(box())
     >>> facts["volume"], facts["genus"], facts["longest_edge"]
     (1.0, 0, 1.4142135623730951)

@@ -20,10 +20,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .mesh import Mesh
-from .normals import vertex_normals
+from ..mesh import Mesh
+from ..normals import vertex_normals
+from ..weld import welded
 from .refine import HALF, INSIDE, Cut, closed_marks, cut, half_edges, halves, longest_edges
-from .weld import welded
 
 __all__ = ["Displaced", "HeightFunction", "LengthFunction", "displaced"]
 

@@ -12,11 +12,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..curves.frames import rotation_minimizing_frames
-from ..errors import SceneError
+from ...curves.frames import rotation_minimizing_frames
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..sizes import check_count, check_triangles, finite_points
 from .bands import halved
-from .mesh import Mesh
-from .sizes import check_count, check_triangles, finite_points
 
 __all__ = ["CAPS", "tube"]
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .mesh import Mesh
+from ..mesh import Mesh
 
 __all__ = ["Surface", "joined", "refined", "surface_of", "trimmed"]
 

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..sizes import check_length
 from .bands import halved
-from .mesh import Mesh
 from .outlines import oriented_outlines, triangulated
 from .profile import creased_profile
-from .sizes import check_length
 
 __all__ = ["extrusion"]
 

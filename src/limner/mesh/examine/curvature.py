@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .adjacency import Adjacency
+from ..adjacency import Adjacency
+from ..mesh import Mesh
+from ..normals import Columns, inner, triangle_vectors, vertex_normals
 from .measure import corner_angles
-from .mesh import Mesh
-from .normals import Columns, inner, triangle_vectors, vertex_normals
 from .topology import adjacent
 
 __all__ = ["PrincipalCurvatures", "angle_defects", "gaussian_curvature", "mean_curvature", "mixed_areas", "principal_curvatures"]

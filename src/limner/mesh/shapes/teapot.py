@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..curves import patch as bezier_patch
-from ..curves.teapot import Part, parts, patches
-from ..errors import SceneError
-from .mesh import Mesh
+from ...curves import patch as bezier_patch
+from ...curves.teapot import Part, parts, patches
+from ...errors import SceneError
+from ..mesh import Mesh
 
 __all__ = ["patches", "teapot"]
 

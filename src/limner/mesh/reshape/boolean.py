@@ -19,9 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UnsupportedError
-from .mesh import Mesh
-from .normals import face_normals
+from ...errors import SceneError, UnsupportedError
+from ..mesh import Mesh
+from ..normals import face_normals
 
 __all__ = ["MATERIALS", "OPERATIONS", "boolean"]
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .polygons import triangulate
+from ..polygons import triangulate
 
 __all__ = ["MAX_LEAST_AREA", "triangulate_loop"]
 

@@ -5,8 +5,8 @@ A tetrahedron whose corners lie on both sides of the surface is cut by it in a t
 
     one corner inside: three of its edges are crossed          two inside: four are
 
-`limner.mesh.marching_cubes` makes a third as many triangles, better shaped and with normals, and takes tables too; this one is all there is
-to it: tetrahedra leave nothing open, so that it needs no table of cases.
+`marching_cubes`, beside this file, makes a third as many triangles, better shaped and with normals, and takes tables too; this one is
+all there is to it: tetrahedra leave nothing open, so that it needs no table of cases.
 
 **Source**: Doi and Koide, *An efficient method of triangulating equi-valued surfaces by using tetrahedral cells*, 1991.
 """

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, UnsupportedError
-from .mesh import Mesh
-from .normals import crease_normals
-from .sizes import check_count
+from ...errors import SceneError, UnsupportedError
+from ..mesh import Mesh
+from ..normals import crease_normals
+from ..sizes import check_count
 
 __all__ = ["simplify"]
 

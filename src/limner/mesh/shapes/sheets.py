@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..sizes import check_count, check_length, check_triangles, edge_lengths
 from .bands import grid_triangles, halved
-from .mesh import Mesh
-from .sizes import check_count, check_length, check_triangles, edge_lengths
 
 __all__ = ["bilinear_patch", "heightfield", "plane", "plane_disk", "quad"]
 

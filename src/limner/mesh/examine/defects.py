@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
-from .adjacency import Adjacency, grouped_order
-from .components import component_labels
-from .mesh import Mesh
-from .normals import are_degenerate
+from ...errors import SceneError
+from ..adjacency import Adjacency, grouped_order
+from ..components import component_labels
+from ..mesh import Mesh
+from ..normals import are_degenerate
 from .topology import adjacent
 
 __all__ = [

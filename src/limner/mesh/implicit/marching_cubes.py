@@ -21,12 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ...errors import SceneError
+from ..mesh import Mesh
+from ..normals import vertex_normals
+from ..sizes import check_count
 from .cube_cases import EDGES, FACES, MIDDLE, case_table
 from .level_set import crossings
-from .mesh import Mesh
-from .normals import vertex_normals
-from .sizes import check_count
 
 __all__ = ["INSIDES", "marching_cubes"]
 

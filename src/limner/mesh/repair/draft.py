@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .adjacency import Adjacency, adjacency_of_triangles
-from .mesh import Mesh
+from ..adjacency import Adjacency, adjacency_of_triangles
+from ..mesh import Mesh
 
 __all__ = ["Draft"]
 

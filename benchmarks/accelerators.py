@@ -30,8 +30,8 @@ from rays import KINDS, mesh_of, rays_through
 import limner
 from limner.draw.canvas import Canvas
 from limner.draw.stroke import Pen
-from limner.mesh import primitives
-from limner.mesh.teapot import teapot
+from limner.mesh.shapes import primitives
+from limner.mesh.shapes.teapot import teapot
 from limner.raycaster import Kind
 
 Floats = NDArray[np.float32]

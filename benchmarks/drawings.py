@@ -28,7 +28,7 @@ from pairs import LEAST_PAIRS, quartiles
 from limner import load
 from limner.artistic.lines import LineKind, drawing_of
 from limner.mesh.mesh import Mesh
-from limner.mesh.primitives import torus
+from limner.mesh.shapes.primitives import torus
 from limner.scene.camera import OrthographicCamera
 from limner.scene.material import Lambert
 from limner.scene.node import Node

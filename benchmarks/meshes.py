@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 import limner
-from limner.mesh.curvature import gaussian_curvature, mean_curvature
+from limner.mesh.examine.curvature import gaussian_curvature, mean_curvature
 from limner.mesh.mesh import Mesh
 from limner.mesh.normals import vertex_normals
 

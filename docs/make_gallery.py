@@ -26,22 +26,23 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "People's work": (
         "product_shot", "material_chart", "materials_layers", "shadow_catcher", "turntable", "animation_clip", "contact_sheet",
         "drawing_sheet", "exploded", "point_cloud", "training_data", "thumbnail_folder", "trimesh_interop", "layers", "denoising",
-        "scene_file", "renderers",
+        "scene_file", "renderers", "wires",
     ),
     "Why does it look like that?": ("explain_pixel", "explain_doctor", "pipeline_stages"),
     "Pictures, samples and colour": (
         "raster_sampling", "raster_halftone", "antialiasing", "color_charts", "color_lights", "views_and_exposure",
+        "camera_pictures", "color_spaces",
     ),
-    "Ray tracing": ("whitted", "lights", "solids", "glass", "distribution", "instances"),
-    "Light from everywhere": ("cornell", "caustic", "furnace"),
+    "Ray tracing": ("whitted", "lights", "solids", "glass", "distribution", "instances", "ray_batches"),
+    "Light from everywhere": ("cornell", "caustic", "furnace", "noise_budget"),
     "Transformations and views": ("transforms_sheet", "viewing_spaces", "viewing_projections", "curve_camera", "car"),
     "The graphics pipeline": ("painter", "shading_frequency", "draw_lines", "draw_shapes"),
     "Shading and drawing": ("highlights", "drawing_styles", "wireframes"),
     "Textures": (
-        "texture_filters", "texture_projections", "unwrap", "procedural_textures", "bump_maps", "displacement",
+        "texture_filters", "texture_projections", "unwrap", "procedural_textures", "bump_maps", "normal_maps", "displacement", "cube_map",
     ),
     "Meshes, trees and curves": (
-        "mesh_primitives", "subdivision", "repair", "accelerators", "curve_drawings", "curve_surfaces", "distance_fields",
+        "mesh_primitives", "subdivision", "repair", "curvature", "accelerators", "curve_drawings", "curve_surfaces", "distance_fields",
     ),
 }  # fmt: skip
 

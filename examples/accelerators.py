@@ -19,7 +19,7 @@ import limner
 from limner.color.maps import mapped
 from limner.draw.canvas import Canvas
 from limner.image.image import Image
-from limner.mesh.teapot import teapot
+from limner.mesh.shapes.teapot import teapot
 from limner.raycaster import Kind
 
 KINDS = {"grid": "uniform grid", "bsp": "binary space partition", "volume_tree": "tree of least volumes"}

@@ -16,7 +16,7 @@ from limner.curves.curve import Parametric
 from limner.curves.patch import Tessellation
 from limner.curves.triangle_patch import indices
 from limner.linear.transform import in_order, rotate, scale, translate
-from limner.mesh.tube import tube
+from limner.mesh.shapes.tube import tube
 
 
 def paint(r: float, g: float, b: float) -> limner.BlinnPhong:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 import limner
 from limner.linear.transform import in_order, rotate, translate
-from limner.mesh import primitives
 from limner.mesh.projection import project_uvs
+from limner.mesh.shapes import primitives
 from limner.scene.displacement import Displacement
 
 Heights = NDArray[np.float64]

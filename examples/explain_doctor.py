@@ -15,7 +15,7 @@ from limner.draw.canvas import Canvas
 from limner.explain.doctor import doctor
 from limner.linear.transform import translate
 from limner.mesh.normals import vertex_normals
-from limner.mesh.primitives import uv_sphere
+from limner.mesh.shapes.primitives import uv_sphere
 
 CLAY = limner.Lambert((0.75, 0.45, 0.3), double_sided=False)
 

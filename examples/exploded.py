@@ -16,7 +16,7 @@ import numpy as np
 import limner
 from limner.draw.canvas import Canvas
 from limner.linear.transform import rotate_z, translate
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 
 STEEL = limner.BlinnPhong(diffuse=(0.42, 0.44, 0.47), specular=(0.5, 0.5, 0.5), exponent=90)
 BRASS = limner.BlinnPhong(diffuse=(0.62, 0.42, 0.12), specular=(0.5, 0.42, 0.25), exponent=70)

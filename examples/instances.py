@@ -14,7 +14,7 @@ import numpy as np
 
 import limner
 from limner.linear.transform import rotate_y, scale, translate
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 
 
 def tree() -> limner.Node:

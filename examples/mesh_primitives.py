@@ -16,10 +16,10 @@ import numpy as np
 
 import limner
 from limner.linear.transform import translate
-from limner.mesh import primitives
-from limner.mesh.boolean import boolean
-from limner.mesh.marching_cubes import marching_cubes
+from limner.mesh.implicit.marching_cubes import marching_cubes
 from limner.mesh.mesh import Mesh
+from limner.mesh.reshape.boolean import boolean
+from limner.mesh.shapes import primitives
 
 STEP = 2.4  # from shape to shape
 COLORS = ((0.7, 0.1, 0.08), (0.8, 0.4, 0.1), (0.7, 0.6, 0.1), (0.1, 0.5, 0.15), (0.1, 0.2, 0.7), (0.5, 0.1, 0.6))

@@ -1,4 +1,4 @@
-"""A broken mesh and what `limner.mesh.repair` makes of it (FoCG 12.1.1).
+"""A broken mesh and what `limner.repair` makes of it (FoCG 12.1.1).
 
 Left: a torus torn into single triangles, a third of them turned over, a patch missing; smooth shading finds nothing to smooth. Middle:
 welded and oriented, the hole still open. Right: the hole filled. What topology says of each is printed.
@@ -14,10 +14,10 @@ import numpy as np
 
 import limner
 from limner.linear.transform import in_order, rotate, translate
+from limner.mesh.examine.report import topology_report
 from limner.mesh.normals import vertex_normals
-from limner.mesh.primitives import torus
-from limner.mesh.repair import repair
-from limner.mesh.report import topology_report
+from limner.mesh.repair.repair import repair
+from limner.mesh.shapes.primitives import torus
 
 APART = 3.1
 

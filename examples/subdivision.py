@@ -17,8 +17,8 @@ import numpy as np
 
 import limner
 from limner.linear.transform import in_order, rotate, translate
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.subdivide import catmull_clark, loop, sqrt3
 
 COLORS = ((0.75, 0.35, 0.1), (0.15, 0.45, 0.6), (0.5, 0.55, 0.15), (0.6, 0.15, 0.2))

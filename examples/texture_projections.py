@@ -15,9 +15,9 @@ import numpy as np
 
 import limner
 from limner.linear.transform import in_order, rotate, translate
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
 from limner.mesh.projection import Projection, project_uvs
+from limner.mesh.shapes import primitives
 
 
 def chart(n: int = 512) -> limner.Texture:

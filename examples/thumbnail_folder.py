@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 import limner
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce.thumbnails import index_sheet
 
 MODELS = {

@@ -43,17 +43,18 @@ if TYPE_CHECKING:
     from .files.scene_file import save_scene, settings_of
     from .image.denoise import denoised
     from .image.image import Image
-    from .mesh import primitives, subdivide
+    from .mesh import subdivide
     from .mesh.adjacency import adjacency
-    from .mesh.boolean import boolean
-    from .mesh.displace import displaced
-    from .mesh.marching_cubes import marching_cubes
+    from .mesh.examine.report import TopologyReport, topology_report
+    from .mesh.implicit.marching_cubes import marching_cubes
     from .mesh.mesh import Mesh
     from .mesh.polygons import mesh_from_polygons
     from .mesh.projection import project_uvs
-    from .mesh.repair import RepairReport, repair
-    from .mesh.report import TopologyReport, topology_report
-    from .mesh.simplify import simplify
+    from .mesh.repair.repair import RepairReport, repair
+    from .mesh.reshape.boolean import boolean
+    from .mesh.reshape.displace import displaced
+    from .mesh.reshape.simplify import simplify
+    from .mesh.shapes import primitives
     from .mesh.tangents import with_tangents
     from .mesh.unwrap.distortion import UnwrapReport, unwrap_report, uv_distortion
     from .mesh.unwrap.unwrap import uv_unwrap
@@ -301,15 +302,15 @@ _HOMES = {
     "image.denoise": ("denoised",),
     "image.image": ("Image",),
     "mesh.adjacency": ("adjacency",),
-    "mesh.boolean": ("boolean",),
-    "mesh.displace": ("displaced",),
-    "mesh.marching_cubes": ("marching_cubes",),
+    "mesh.examine.report": ("TopologyReport", "topology_report"),
+    "mesh.implicit.marching_cubes": ("marching_cubes",),
     "mesh.mesh": ("Mesh",),
     "mesh.polygons": ("mesh_from_polygons",),
     "mesh.projection": ("project_uvs",),
-    "mesh.repair": ("RepairReport", "repair"),
-    "mesh.report": ("TopologyReport", "topology_report"),
-    "mesh.simplify": ("simplify",),
+    "mesh.repair.repair": ("RepairReport", "repair"),
+    "mesh.reshape.boolean": ("boolean",),
+    "mesh.reshape.displace": ("displaced",),
+    "mesh.reshape.simplify": ("simplify",),
     "mesh.tangents": ("with_tangents",),
     "mesh.unwrap.distortion": ("UnwrapReport", "unwrap_report", "uv_distortion"),
     "mesh.unwrap.unwrap": ("uv_unwrap",),
@@ -358,7 +359,7 @@ _MODULES = {
     "dataset": "produce.dataset",
     "distance": "scene.distance",
     "draw": "draw",
-    "primitives": "mesh.primitives",
+    "primitives": "mesh.shapes.primitives",
     "subdivide": "mesh.subdivide",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

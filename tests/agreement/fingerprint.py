@@ -25,7 +25,7 @@ from limner._door import warm_up
 from limner._jit import MODE
 from limner.aov import CHANNELS
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.fog import Fog

@@ -10,8 +10,8 @@ from staging import grid, place, scene_of
 from limner.accel import bvh
 from limner.errors import UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.raycaster import Kind, RayCaster
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.material import Lambert, MetallicRoughness

@@ -7,7 +7,7 @@ import pytest
 
 import limner
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.tables.camera import camera_record, raster_from_world
 

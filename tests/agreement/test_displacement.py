@@ -10,7 +10,7 @@ import pytest
 
 from limner.errors import SceneError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import Renderer, render
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.displacement import Displacement

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from limner.artistic.lines import Drawing, drawing_of
 from limner.files.load import load
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.scene.material import Lambert

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.render import Renderer
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.environment import Environment

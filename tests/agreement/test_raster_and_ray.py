@@ -18,8 +18,8 @@ from limner.aov import CHANNELS
 from limner.files.load import load
 from limner.image.image import Image
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.library import BUILTINS, builtin
 from limner.scene.light import PointLight, SpotLight

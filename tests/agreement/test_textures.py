@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from staging import SLOW_AS_PYTHON, interior, lit_from, place, scene_of, seen_by_both
 
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.light import AmbientLight

@@ -12,9 +12,9 @@ import pytest
 
 from limner.errors import SceneError
 from limner.files.load import load
-from limner.mesh import primitives
+from limner.mesh.examine.report import topology_report
 from limner.mesh.mesh import Mesh
-from limner.mesh.report import topology_report
+from limner.mesh.shapes import primitives
 from limner.scene.meshes import meshes_of, with_meshes
 from limner.scene.node import Node
 from limner.scene.scene import Scene

@@ -12,7 +12,7 @@ import pytest
 from limner.cli.main import main
 from limner.cli.model import open_model
 from limner.files.save_mesh import save_model
-from limner.mesh.primitives import box
+from limner.mesh.shapes.primitives import box
 
 MITSUBA = """<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="4"/></integrator>
 <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="16"/></film>

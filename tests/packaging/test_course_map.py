@@ -247,7 +247,7 @@ def test_the_lookup_is_not_blind():
     """It finds a method and a constant, and does not find what is not there."""
     assert find_dotted("limner.scene.node.Node.walk")
     assert find_dotted("limner.scene.library.BUILTINS")
-    assert find_dotted("limner.mesh.teapot")
+    assert find_dotted("limner.mesh.shapes.teapot")
     assert not find_dotted("limner.scene.node.Node.fly")
     assert not find_dotted("limner.scene.kettle")
     assert not find_test("tests/packaging/test_course_map.py::test_nothing")

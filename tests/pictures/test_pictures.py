@@ -25,7 +25,7 @@ from staging import SLOW_AS_PYTHON, checkers, grid, lit_from, place, point_light
 
 from limner.image.image import Image  # noqa: E402
 from limner.linear import transform  # noqa: E402
-from limner.mesh import primitives  # noqa: E402
+from limner.mesh.shapes import primitives  # noqa: E402
 from limner.render import render  # noqa: E402
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera  # noqa: E402
 from limner.scene.library import builtin  # noqa: E402

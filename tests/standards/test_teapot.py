@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from limner.errors import SceneError
-from limner.mesh.teapot import patches, teapot
+from limner.mesh.shapes.teapot import patches, teapot
 
 FINGERPRINT = "401ca6ff95f573c8d0212a41087b64145b25d656aeb01a507bb633cc2aa68983"
 MESHES = Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "meshes"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from limner import _jit
 from limner.errors import SceneError, UnsupportedError
-from limner.mesh.revolution import torus
+from limner.mesh.shapes.revolution import torus
 from limner.raycaster import Hits, Kind, RayCaster
 
 MANY = 2000 if _jit.MODE == "compiled" else 200  # kernels as Python take a millisecond a ray

@@ -16,8 +16,8 @@ from limner.errors import LimnerError, LimnerWarning
 from limner.files.load import load
 from limner.image.image import Image
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight

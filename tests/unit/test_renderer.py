@@ -11,7 +11,7 @@ import pytest
 
 from limner.errors import UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import Renderer, render
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import DirectionalLight

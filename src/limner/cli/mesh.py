@@ -66,9 +66,9 @@ def check(talk: Talk, model: str, weld: float | None, closed: bool, as_json: boo
         limner mesh check part.stl --weld 0
         limner mesh check model.glb --weld 1e-6 --closed --json
     """
+    from ..mesh.examine.report import topology_report
     from ..mesh.mesh import Mesh
-    from ..mesh.repair import repair
-    from ..mesh.report import topology_report
+    from ..mesh.repair.repair import repair
 
     def bare(given: Mesh) -> Mesh:
         # Colours and attributes would keep vertices apart that are to be taken for one.
@@ -103,7 +103,7 @@ def check(talk: Talk, model: str, weld: float | None, closed: bool, as_json: boo
 @click.pass_obj
 def info(talk: Talk, model: str, as_json: bool) -> None:
     """Measure the meshes of MODEL, each in its own space: counts, bounds, area, volume, centre, edges, what lives on them."""
-    from ..mesh.measure import summary
+    from ..mesh.examine.measure import summary
 
     scene, found = _meshes(model)
     told = {path: summary(given) for path, given in found.items()}
@@ -177,8 +177,8 @@ class Order:
 
 
 def _repair(order: Order, talk: Talk) -> None:
-    from ..mesh.repair import RepairReport
-    from ..mesh.repair import repair as repaired
+    from ..mesh.repair.repair import RepairReport
+    from ..mesh.repair.repair import repair as repaired
     from ..scene.meshes import with_meshes
 
     scene, found = _meshes(order.model)

@@ -11,13 +11,10 @@ import click
 from .bar import Bar
 from .destination import check_picture
 from .main import INTERRUPTED
-from .model import numbered, open_model, report_of_model, said_up
-from .sight import chosen_camera, with_lens
-from .surroundings import surrounded
+from .model import open_model, report_of_model, said_up
 from .talk import Talk
 
 if TYPE_CHECKING:
-    from ..draw.color_bar import ColorBar
     from ..files.report import LoadReport
     from ..image.image import Image
     from ..scene.scene import Scene
@@ -36,15 +33,7 @@ def make_picture(order: Order, talk: Talk) -> None:
     _check_output(order)
     started = time.perf_counter()
     report = report_of_model(order.model, scene=order.scene) if order.report else None
-    scene, key = _by_numbers(order, open_model(order.model, None, order.scene) if report is None else report.scene)
-    if order.variant is not None:
-        from ..scene.variants import with_variant
-
-        scene = with_variant(scene, order.variant)
-    scene = surrounded(scene, order.environment, order.background)
-    camera = with_lens(order, scene, chosen_camera(order, scene))
-    if order.ground:
-        scene = scene.with_ground()
+    scene, camera, key = order.shown(open_model(order.model, None, order.scene) if report is None else report.scene)
     if report is None:
         talk.note(scene.notes)
     else:
@@ -56,33 +45,14 @@ def make_picture(order: Order, talk: Talk) -> None:
     with Bar(enabled=not talk.quiet) as bar:
         image = make(
             scene,
-            width=order.width,
-            height=order.height,
-            renderer=order.renderer,
-            samples=order.samples,
-            seed=order.seed,
-            max_depth=order.max_depth,
-            sampler=order.sampler,
-            glossy=order.glossy,
-            emitters=order.emitters,
-            antialiasing=order.antialiasing,
-            shadows=order.shadows,
-            shading=order.shading,
-            hidden_surfaces=order.hidden_surfaces,
-            clipping=order.clipping,
-            culling=order.culling,
-            filter=order.filter,
             camera=camera,
-            time=order.time,
-            animation=numbered(order.animation),
-            shutter=order.shutter,
             threads=order.threads,
             aovs=order.aovs,
             denoise=order.denoise,
             on_progress=bar,
             **styled,
             **_budget(order),
-            **order.further,
+            **order.settings(),
         )
     rendered = time.perf_counter()
     talk.warn(image.warnings)
@@ -128,17 +98,6 @@ def _budget(order: Order) -> dict[str, Any]:
     if order.snapshots is not None:
         told |= {"checkpoint_seconds": order.snapshots, "on_snapshot": lambda image: image.save(order.output)}
     return told
-
-
-def _by_numbers(order: Order, scene: Scene) -> tuple[Scene, ColorBar | None]:
-    """The scene with its points as large, and by the numbers, as the command line asks; and the key to their colours."""
-    if order.scalars is None and order.point_size is None:
-        return scene, None
-    from ..produce.scalars import colored, with_point_size
-
-    if order.point_size is not None:
-        scene = with_point_size(scene, order.point_size)
-    return (scene, None) if order.scalars is None else colored(scene, order.scalars, order.color_map, order.scalar_range)
 
 
 def _with_origin(image: Image, order: Order) -> Image:

@@ -1,7 +1,7 @@
 """Sweeping: a line in a plane, carried along a curve in space (FoCG 15: the surfaces that curves make).
 
 The plane stands across the curve and turns about it no more than it must (`limner.curves.frames.turned_along`), but for the twist that is
-asked for. A ribbon is what a short straight line sweeps; a tube of constant width is rather `limner.mesh.tube.tube`, which has caps and
+asked for. A ribbon is what a short straight line sweeps; a tube of constant width is rather `limner.mesh.shapes.tube`, which has caps and
 mitres.
 """
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..linear import transform
 from ..mesh.adjacency import adjacency
-from ..mesh.measure import dihedral_angles, signed_volume
+from ..mesh.examine.measure import dihedral_angles, signed_volume
+from ..mesh.examine.topology import is_closed, is_consistently_oriented
 from ..mesh.mesh import Mesh
 from ..mesh.normals import face_normals
-from ..mesh.topology import is_closed, is_consistently_oriented
 from ..mesh.weld import welded
 from ..scene.scene import Scene
 from ..tables.exact import materials_of

@@ -50,7 +50,10 @@ def examine_picture(scene: Scene, renderer: str, samples: int | None) -> Iterato
         if told["brightness"] > 0.0:
             what = f"half of what is seen is darker than {told['brightness']:.2g} of white"
             do = f"dataclasses.replace(light, intensity={number(0.3 / told['brightness'])} * light.intensity)"
-        yield Finding("too-dark", what, "", _why_dark(scene), do)
+        why = _why_dark(scene)
+        if _has_unsurrounded_metal(scene):
+            why, do = "metals show what they mirror, and there is no environment around them", "--environment FILE, or scene.environment"
+        yield Finding("too-dark", what, "", why, do)
     elif told["burnt_out"] is not None and told["burnt_out"] > _BURNT and not _is_meant_white(scene):
         yield Finding(
             "too-bright", f"{told['burnt_out']:.0%} of what is seen is brighter than white", "",
@@ -169,10 +172,12 @@ def _is_meant_white(scene: Scene) -> bool:
     return any(max(m.emission) >= 1.0 or getattr(m, "unlit", False) for m in materials)
 
 
+def _has_unsurrounded_metal(scene: Scene) -> bool:
+    metals = (getattr(material, "metallic", 0.0) > 0.9 for _, shape in scene.shapes() for material in shape.materials)
+    return scene.environment is None and any(metals)
+
+
 def _why_dark(scene: Scene) -> str:
-    metals = [m for _, shape in scene.shapes() for m in shape.materials if getattr(m, "metallic", 0.0) > 0.9]
-    if metals and scene.environment is None:
-        return "metals show what they mirror, and there is no environment around them: --environment FILE"
     if scene.lights():
         return "the lights are too weak for their distance: light falls off with its square, and numbers are in candela and lux"
     return "little light reaches what is seen"

@@ -21,7 +21,7 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,6 +53,10 @@ _AT_ONCE = 8  # samples that the rasteriser takes together
 _THUMBNAIL = 320
 _MOST_LOBES = 6
 _MOST_TOLD = 64  # samples that are told of in full
+_OF_WHOLE_PICTURES = {
+    "denoise": "leave it out, and told is the light before the noise is taken out", "noise": "give samples instead",
+    "time_limit": "give samples instead", "checkpoint": "leave it out",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -180,7 +184,10 @@ def explain(
     ------
     SceneError
         Where there is no such pixel or sample, beside what `render` raises.
+    UnsupportedError
+        For options by which a pixel depends on others, or on how long the picture took: denoise, noise, time_limit.
     """
+    _check_options(options)
     with Renderer(scene, threads=1, **options) as renderer:
         settings = inspect.signature(Renderer).bind(scene, **options)
         settings.apply_defaults()
@@ -220,6 +227,13 @@ class _Contribution:
 
     call: DoorCall | None
     sums: NDArray[np.float32]
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    """Refuse what makes a pixel depend on more than itself."""
+    for name, instead in _OF_WHOLE_PICTURES.items():
+        if options.get(name) is not None:
+            raise UnsupportedError(f"explain tells of one pixel, and {name} looks at whole pictures: {instead}")
 
 
 def _check_pixel(x: int, y: int, width: int, height: int) -> None:

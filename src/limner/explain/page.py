@@ -77,7 +77,8 @@ def _tree(step: Step, depth: int) -> str:
             parts.append(f'<span class="{name}">{html.escape(text)}</span>')
     inner = "".join(_tree(child, depth + 1) for child in step.steps)
     kind = f"{step.kind} leaf" if not step.steps else step.kind
-    unfolded = " open" if step.steps and (depth < _OPEN or step.kind == "ray") and step.kind not in ("spaces",) else ""
+    is_shown = depth < _OPEN or step.kind == "ray" or any(child.kind == "ray" for child in step.steps)
+    unfolded = " open" if step.steps and is_shown and step.kind != "spaces" else ""
     return f'<details class="{kind}"{unfolded}><summary>{"".join(parts)}</summary>{inner}</details>'
 
 

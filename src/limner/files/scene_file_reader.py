@@ -21,7 +21,7 @@ from ..errors import FileFormatError, LimnerError, SceneError
 from ..linear import transform
 from ..linear.quaternion import from_axis_angle
 from ..mesh.mesh import Mesh
-from ..mesh.teapot import teapot
+from ..mesh.shapes.teapot import teapot
 from ..scene.animation import Animation
 from ..scene.camera import PerspectiveCamera
 from ..scene.environment import Environment

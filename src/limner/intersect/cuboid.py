@@ -1,7 +1,7 @@
 """Ray and axis-aligned box as a solid, its faces told apart (FoCG 12.3.1). `intersect.box` is for trees: it only tells how near.
 
 Faces are numbered +x, -x, +y, -y, +z, -z. Each shows the whole texture, not mirrored: v up on the walls, u along +x on the faces +y
-and -y, as `mesh.primitives.box` has it.
+and -y, as `mesh.shapes.platonic.box` has it.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ class Adjacency:
 def adjacency(mesh: Mesh) -> Adjacency:
     """Find which triangles, edges and vertices of a mesh touch.
 
-    Positions are not looked at: two vertices in one place are two (`limner.mesh.repair` welds them).
+    Positions are not looked at: two vertices in one place are two (`limner.repair` welds them).
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def adjacency(mesh: Mesh) -> Adjacency:
     -----
     Time is that of two sorts of all half-edges; a million triangles take a fifth of a second.
 
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> found = adjacency(box())
     >>> len(found.edges), found.triangles_of_edge(0).tolist()
     (18, [2, 7])

@@ -103,7 +103,7 @@ class Mesh:
     vertex_attributes, edge_attributes, face_attributes : mapping of str to array, optional
         Named values of whatever meaning: one row for each position, edge or triangle, numbers or booleans of any shape. Edges are counted
         and numbered as `limner.mesh.adjacency` does: once each, their lesser vertex first, in lexicographic order. No renderer looks at
-        them; `limner.mesh.repair` keeps them.
+        them; `limner.repair` keeps them.
 
     Raises SceneError where shapes do not fit, an index is out of range, or a position is not finite.
     """

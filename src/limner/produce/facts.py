@@ -292,7 +292,8 @@ def report_of_pixels(pixels: NDArray[np.float32]) -> dict[str, Any]:
     -------
     dict
         ``coverage``: the share of pixels in which anything is seen; ``box``: left, top, width, height of these, None where there are
-        none; ``brightness``: their median luminance; ``burnt_out``: the share of them that has no channel below 1.
+        none; ``brightness``: the median luminance of those that hide at least half of what lies behind, for a veil of glass has no
+        brightness of its own, and None where there are none; ``burnt_out``: the share of these that has no channel below 1.
     """
     seen = pixels[..., 3] > 1.0 / 255.0
     told: dict[str, Any] = {"coverage": round(float(seen.mean()), 6), "box": None, "brightness": None, "burnt_out": None}
@@ -300,8 +301,10 @@ def report_of_pixels(pixels: NDArray[np.float32]) -> dict[str, Any]:
         return told
     rows, columns = np.flatnonzero(seen.any(axis=1)), np.flatnonzero(seen.any(axis=0))
     left, top = int(columns[0]), int(rows[0])
-    color = pixels[seen][:, :3]
     told["box"] = [left, top, int(columns[-1]) - left + 1, int(rows[-1]) - top + 1]
+    color = pixels[pixels[..., 3] >= 0.5][:, :3]
+    if not len(color):
+        return told
     told["brightness"] = round(float(np.median(color @ np.array([0.2126, 0.7152, 0.0722], dtype=np.float32))), 6)
     told["burnt_out"] = round(float((color >= 1.0).all(axis=1).mean()), 6)
     return told

@@ -270,9 +270,9 @@ def _slips_of(images: Sequence[Image], told: dict[str, Any]) -> list[str]:
         return [*found, "the model cannot be seen in any view"]
     if blank:
         found.append(f"nothing is seen from the {', '.join(blank)}: the model is flat, or its surfaces show their backs there")
-    if all(view["brightness"] < _BLACK for view in seen):
+    if all(view["brightness"] is not None and view["brightness"] < _BLACK for view in seen):
         found.append("the model is almost black in all views")
-    burnt = [view["name"] for view in seen if view["burnt_out"] > _BURNT]
+    burnt = [view["name"] for view in seen if (view["burnt_out"] or 0.0) > _BURNT]
     if burnt:
         found.append(f"most of the model is burnt out in {', '.join(burnt)}")
     return found

@@ -4,7 +4,7 @@
     limner.Shape(limner.Sphere(1.0), (stone,), displacement=rocky)
 
 Unlike with a normal or bump map, outlines change, parts hide each other, and shadows fall where they should. The price is triangles: each
-picture has them where it needs them (`limner.mesh.displace`).
+picture has them where it needs them (`limner.mesh.reshape.displace`).
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..linear import transform
 from ..mesh.mesh import Mesh
-from ..mesh.teapot import teapot
+from ..mesh.shapes.teapot import teapot
 from .camera import PerspectiveCamera
 from .light import AmbientLight, DirectionalLight, SpotLight
 from .material import BlinnPhong, Lambert, Material

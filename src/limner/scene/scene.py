@@ -143,7 +143,11 @@ class Scene:
         place = np.eye(4)
         place[1, 3] = low if np.isfinite(low) else 0.0
         ground = Node("ground", place, shapes=(Shape(Plane(), (material or ShadowCatcher("ground"),)),))
-        return self.replace(root=Node(self.root.name, children=(self.root, ground)))
+        root = self.root
+        if root.visible and root.motion is None and (root.parent_from_node == np.eye(4)).all():
+            # Beside the others, so that nodes keep the paths by which animations and skins name them.
+            return self.replace(root=dataclasses.replace(root, children=(*root.children, ground)))
+        return self.replace(root=Node(root.name, children=(root, ground)))
 
     def _repr_png_(self) -> bytes | None:
         """A small picture, as notebooks show it; None where there is none to be had."""

@@ -1,8 +1,8 @@
 """The boundary of a combination of solids as triangles: what the rasteriser draws of it.
 
 Every point of it lies on the surface of a leaf, and a point of a leaf's surface belongs to it where stepping through makes a difference
-to the program's answer. So the leaves are tessellated, and of their triangles the parts are kept where it does (`limner.mesh.trim`),
-turned inside out where the step leads out:
+to the program's answer. So the leaves are tessellated, and of their triangles the parts are kept where it does
+(`limner.mesh.reshape.trim`), turned inside out where the step leads out:
 
     before = is the point just outside the leaf in the whole?      after = is the point just inside?
     kept where before != after; turned where the whole ends there
@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.trim import Surface, refined, trimmed
+from ..mesh.reshape.trim import Surface, refined, trimmed
 from ..scene.primitive import Box, Cone, Cylinder, Plane, Primitive, Quadric, Sphere, Torus
 from . import layouts
 

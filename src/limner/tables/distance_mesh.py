@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.marching_cubes import marching_cubes
+from ..mesh.implicit.marching_cubes import marching_cubes
 from ..mesh.mesh import Mesh
-from ..mesh.trim import Surface
+from ..mesh.reshape.trim import Surface
 from ..scene.distance_field import DistanceField
 
 __all__ = ["distance_mesh"]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from .._door import Array, Door
 from ..color.transfer import linear_from_srgb
 from ..errors import SceneError
-from ..mesh.displace import HeightFunction
 from ..mesh.mesh import Mesh
+from ..mesh.reshape.displace import HeightFunction
 from ..scene.displacement import Height
 from ..scene.texture import Texture
 from . import layouts

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.displace import Displaced, displaced
 from ..mesh.mesh import Mesh
+from ..mesh.reshape.displace import Displaced, displaced
 from ..scene.displacement import Displacement
 from ..scene.primitive import Sphere
 from ..scene.shape import Shape

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..linear.transform import normal_matrix
-from ..mesh import primitives
-from ..mesh.level_set import level_set
+from ..mesh.implicit.level_set import level_set
 from ..mesh.mesh import Mesh
-from ..mesh.trim import Surface, joined, refined, surface_of, trimmed
+from ..mesh.reshape.trim import Surface, joined, refined, surface_of, trimmed
+from ..mesh.shapes import primitives
 from ..scene.camera import Camera, PerspectiveCamera
 from ..scene.distance_field import DistanceField
 from ..scene.line_set import LineSet

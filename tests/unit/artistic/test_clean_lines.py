@@ -16,8 +16,8 @@ from limner.artistic.sight_lines import sight_lines
 from limner.artistic.simplify import points_that_show
 from limner.artistic.surfaces import surfaces_of
 from limner.linear.transform import translate
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.scene.material import Lambert
 from limner.scene.node import Node

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from limner.artistic.lines import KINDS, Drawing, FeatureLine, drawing_of
 from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.progress import Progress
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.scene.material import Lambert

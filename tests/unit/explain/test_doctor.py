@@ -16,12 +16,13 @@ from limner.errors import UnsupportedError
 from limner.explain.doctor import doctor
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
-from limner.mesh.primitives import box, uv_sphere
+from limner.mesh.shapes.primitives import box, uv_sphere
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.environment import Environment
 from limner.scene.library import BUILTINS, builtin
 from limner.scene.light import PointLight, RectangleLight, SpotLight
-from limner.scene.material import Lambert
+from limner.scene.material import Lambert, MetallicRoughness
+from limner.scene.material_extensions import Transmission
 from limner.scene.node import Node
 from limner.scene.scene import Scene
 from limner.scene.shape import Box
@@ -134,6 +135,22 @@ def test_it_finds_nothing_in_a_room_lit_by_a_lamp() -> None:
     room = place(box((12.0, 12.0, 12.0)), Lambert((0.7, 0.7, 0.7)))
     scene = scene_of(room, left, place(SQUARE, at=(1.5, 0, -1)), place(_ball()), lamp, lit_from((0, 0, 1)), camera=FRONT)
     assert doctor(scene).is_sound, doctor(scene).text()
+
+
+@SLOW_AS_PYTHON
+def test_a_veil_of_glass_is_not_dark() -> None:
+    """Bug: the rasteriser's clear glass, a veil of nearly no color, was said to be black. Fix: a veil's own light is not looked at."""
+    clear = MetallicRoughness(metallic=0.0, roughness=0.0, transmission=Transmission())
+    assert doctor(_scene(place(_ball(), clear))).is_sound
+
+
+@SLOW_AS_PYTHON
+def test_metal_in_an_empty_room_wants_an_environment() -> None:
+    """Bug: brighter lights were advised, a thousandfold. Fix: what a metal lacks is something to mirror."""
+    found = doctor(_scene(place(_ball(), MetallicRoughness(metallic=1.0, roughness=0.0)), lit_from((1.0, 3.0, -5.0))))
+    assert found.kinds == ("too-dark",)
+    assert "--environment" in found.findings[0].do
+    assert "intensity" not in found.findings[0].do
 
 
 @SLOW_AS_PYTHON

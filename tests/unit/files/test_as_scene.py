@@ -87,7 +87,7 @@ def test_a_scene_becomes_one_of_trimesh_and_comes_back() -> None:
     trimesh = pytest.importorskip("trimesh")
     from limner.files.interop import scene_from_trimesh, to_trimesh
     from limner.linear import transform
-    from limner.mesh.platonic import box
+    from limner.mesh.shapes.platonic import box
     from limner.scene.node import Node
     from limner.scene.scene import Scene
     from limner.scene.shape import Shape, Sphere

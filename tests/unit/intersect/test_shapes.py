@@ -232,7 +232,7 @@ def test_round_shapes_turn_their_texture_alike(name: str) -> None:
 
 def test_faces_of_a_box_show_the_texture_as_its_mesh_does() -> None:
     """The same normals and texture coordinates at the same points as `mesh.primitives.box`."""
-    from limner.mesh.primitives import box
+    from limner.mesh.shapes.primitives import box
 
     size = np.array([1.0, 2.0, 3.0])
     mesh = box(size)

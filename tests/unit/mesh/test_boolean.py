@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from limner.errors import SceneError, UnsupportedError
-from limner.mesh import primitives
-from limner.mesh.boolean import boolean
 from limner.mesh.mesh import Mesh
+from limner.mesh.reshape.boolean import boolean
+from limner.mesh.shapes import primitives
 
 
 def moved(mesh: Mesh, *offset: float) -> Mesh:

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from surfaces import fin, heap, klein_bottle, moebius_strip, open_cylinder, plate, platonic_solids, voxels
 
-from limner.mesh import primitives
-from limner.mesh.curvature import angle_defects, gaussian_curvature, mean_curvature, mixed_areas, principal_curvatures
-from limner.mesh.defects import degenerate_triangles
-from limner.mesh.measure import area
+from limner.mesh.examine.curvature import angle_defects, gaussian_curvature, mean_curvature, mixed_areas, principal_curvatures
+from limner.mesh.examine.defects import degenerate_triangles
+from limner.mesh.examine.measure import area
+from limner.mesh.examine.topology import euler_characteristic
 from limner.mesh.mesh import Mesh
-from limner.mesh.topology import euler_characteristic
+from limner.mesh.shapes import primitives
 
 SURFACES = {
     **platonic_solids(), "double torus": plate(2), "cylinder": open_cylinder(), "disk": primitives.disk(), "Moebius": moebius_strip(),

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from limner.mesh import primitives
-from limner.mesh.displace import displaced
 from limner.mesh.mesh import Mesh
 from limner.mesh.projection import project_uvs
-from limner.mesh.refine import closed_marks, cut, longest_edges
+from limner.mesh.reshape.displace import displaced
+from limner.mesh.reshape.refine import closed_marks, cut, longest_edges
+from limner.mesh.shapes import primitives
 
 Floats = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from limner.errors import SceneError
-from limner.mesh.cube_cases import EDGES, MIDDLE, case_table
-from limner.mesh.level_set import level_set
-from limner.mesh.marching_cubes import marching_cubes
+from limner.mesh.implicit.cube_cases import EDGES, MIDDLE, case_table
+from limner.mesh.implicit.level_set import level_set
+from limner.mesh.implicit.marching_cubes import marching_cubes
 from limner.mesh.mesh import Mesh
 
 BOX = ((-1.1, -1.2, -1.3), (1.3, 1.2, 1.1))
@@ -121,7 +121,7 @@ def test_slabs_leave_no_trace(monkeypatch):
     """Worked through layer by layer, middles of loops included, the mesh is the same."""
     samples = np.random.default_rng(6).normal(size=(12, 7, 6))
     whole = marching_cubes(samples, capped=True)
-    monkeypatch.setattr("limner.mesh.marching_cubes._SAMPLES_AT_ONCE", 100)
+    monkeypatch.setattr("limner.mesh.implicit.marching_cubes._SAMPLES_AT_ONCE", 100)
     parts = marching_cubes(samples, capped=True)
     assert len(parts.positions) == len(whole.positions)
     assert_closed_and_manifold(parts.triangles)

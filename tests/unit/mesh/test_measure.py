@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from surfaces import GOLDEN, bow_tie, klein_bottle, open_cylinder, plate, platonic_solids, shuffled
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.adjacency import adjacency
-from limner.mesh.measure import (
+from limner.mesh.examine.measure import (
     area,
     centroid,
     corner_angles,
@@ -27,6 +26,7 @@ from limner.mesh.measure import (
     volume,
 )
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 
 # dihedral angle, area and volume for unit edges: H. S. M. Coxeter, Regular Polytopes, 1973, table I
 SOLIDS = {

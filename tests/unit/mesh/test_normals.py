@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.normals import crease_normals, face_normals, vertex_normals
+from limner.mesh.shapes import primitives
 
 MESHES = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "meshes"
 

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from surfaces import platonic_solids
 
 from limner.errors import SceneError
-from limner.mesh.holes import triangulate_loop
-from limner.mesh.measure import area, triangle_areas
+from limner.mesh.examine.measure import area, triangle_areas
 from limner.mesh.mesh import Mesh
 from limner.mesh.polygons import mesh_from_polygons, triangulate
+from limner.mesh.repair.holes import triangulate_loop
 
 
 def star(radii):

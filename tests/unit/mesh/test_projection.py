@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
 from limner.mesh.projection import project_uvs
+from limner.mesh.shapes import primitives
 
 AXES = {"z": (0, 1, 2), "x": (1, 2, 0), "y": (2, 0, 1)}
 

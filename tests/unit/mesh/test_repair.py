@@ -26,14 +26,14 @@ from surfaces import (
 )
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.adjacency import adjacency
-from limner.mesh.measure import area, signed_volume, volume
+from limner.mesh.examine.measure import area, signed_volume, volume
+from limner.mesh.examine.report import topology_report
+from limner.mesh.examine.topology import boundary_loops, is_manifold
 from limner.mesh.mesh import Mesh
 from limner.mesh.normals import face_normals
-from limner.mesh.repair import RepairReport, repair
-from limner.mesh.report import topology_report
-from limner.mesh.topology import boundary_loops, is_manifold
+from limner.mesh.repair.repair import RepairReport, repair
+from limner.mesh.shapes import primitives
 
 NOTHING = {"weld": None, "degenerate": False, "duplicates": False, "junctions": False, "orient": False, "unused": False}
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from limner.errors import SceneError, UnsupportedError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
-from limner.mesh.simplify import simplify
+from limner.mesh.reshape.simplify import simplify
+from limner.mesh.shapes import primitives
 
 
 def volume(mesh: Mesh) -> float:

@@ -10,8 +10,8 @@ import pytest
 from scipy.special import beta
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.sizes import check_triangles
 
 

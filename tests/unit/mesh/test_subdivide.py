@@ -9,8 +9,8 @@ import pytest
 from scipy.interpolate import BSpline
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.subdivide import catmull_clark, loop, sqrt3
 
 SCHEMES = {"loop": loop, "catmull_clark": catmull_clark, "sqrt3": sqrt3}

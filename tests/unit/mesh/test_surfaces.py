@@ -9,9 +9,9 @@ import pytest
 
 from limner.curves.frames import rotation_minimizing_frames
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
-from limner.mesh.outlines import oriented_outlines, signed_area, triangulated
+from limner.mesh.shapes import primitives
+from limner.mesh.shapes.outlines import oriented_outlines, signed_area, triangulated
 
 
 def crosses(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from limner.errors import SceneError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.tangents import corner_tangents, with_tangents
 from limner.mesh.weld import welded
 

@@ -25,11 +25,19 @@ from surfaces import (
 )
 
 from limner.errors import SceneError
-from limner.mesh import primitives, topology
 from limner.mesh.adjacency import adjacency
-from limner.mesh.defects import degenerate_triangles, duplicate_triangles, duplicate_vertices, linked_within, near_pairs, t_junctions
+from limner.mesh.examine import topology
+from limner.mesh.examine.defects import (
+    degenerate_triangles,
+    duplicate_triangles,
+    duplicate_vertices,
+    linked_within,
+    near_pairs,
+    t_junctions,
+)
+from limner.mesh.examine.report import topology_report
 from limner.mesh.mesh import Mesh
-from limner.mesh.report import topology_report
+from limner.mesh.shapes import primitives
 
 MESHES = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "meshes"
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from limner.mesh import primitives
-from limner.mesh.level_set import level_set
+from limner.mesh.implicit.level_set import level_set
 from limner.mesh.mesh import Mesh
-from limner.mesh.trim import Surface, joined, refined, surface_of, trimmed
+from limner.mesh.reshape.trim import Surface, joined, refined, surface_of, trimmed
+from limner.mesh.shapes import primitives
 
 EVERYWHERE = np.array([[-9.0, -9.0, -9.0], [9.0, 9.0, 9.0]])
 

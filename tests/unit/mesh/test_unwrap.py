@@ -10,8 +10,8 @@ import pytest
 from staging import SLOW_AS_PYTHON
 
 from limner.errors import SceneError, UnsupportedError
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.unwrap.distortion import UnwrapReport, rim_edges, unwrap_report, uv_charts, uv_distortion
 from limner.mesh.unwrap.gluing import Gluing
 from limner.mesh.unwrap.surface import Surface

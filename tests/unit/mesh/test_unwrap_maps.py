@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.mesh.unwrap.conformal import conformal
 from limner.mesh.unwrap.gluing import Gluing
 from limner.mesh.unwrap.isometric import _value_and_gradient, energies, isometric

@@ -16,7 +16,7 @@ from PIL import Image as Picture
 import limner
 from limner.errors import FileFormatError, RenderError, SceneError, UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce import dataset
 from limner.produce.dataset import orbit_cameras, write
 from limner.scene.framing import extent_points

@@ -16,7 +16,7 @@ from limner.color.transfer import bytes_from_linear
 from limner.errors import SceneError
 from limner.image.image import Image
 from limner.mesh.mesh import Mesh
-from limner.mesh.primitives import uv_sphere
+from limner.mesh.shapes.primitives import uv_sphere
 from limner.produce.false_color import COVERAGE, DEPTH, LAYERS, LEVELS, along
 from limner.produce.sheet import Canvas
 from limner.produce.stages import STAGES, stages

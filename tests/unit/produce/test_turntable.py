@@ -19,7 +19,7 @@ from limner.errors import RenderError, SceneError, UnsupportedError
 from limner.film import Film
 from limner.image.image import Image
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce.clip import check_clip, write_clip
 from limner.produce.palette import Tally, fitted
 from limner.produce.turntable import turntable, turntable_cameras, write_turntable

@@ -14,7 +14,7 @@ from PIL import Image as Picture
 import limner
 from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce.facts import dominant_colors, facts, guess_up, report_of_pixels, tight_bounds
 from limner.produce.sheet import Canvas, Grid, Stroke, grid_for, shortened, text_width, wrapped
 from limner.produce.views import ARROW, VIEWS, Sheet, axis_tips, glyph_origin, standard_cameras, views

@@ -14,7 +14,7 @@ from limner.draw.canvas import Segments
 from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
-from limner.mesh.primitives import uv_sphere
+from limner.mesh.shapes.primitives import uv_sphere
 from limner.produce.wireframe import Edges, edges_of, features, lines_seen, wireframe
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.scene import Scene

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from staging import SLOW_AS_PYTHON, grid, place, scene_of
 
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.scene.light import AmbientLight

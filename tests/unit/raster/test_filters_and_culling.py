@@ -8,8 +8,8 @@ from staging import SLOW_AS_PYTHON, place, scene_of
 
 from limner.errors import UnsupportedError
 from limner.image.reconstruct import FILTERS, reconstruction
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.pixel_filter import filtered_samples
 from limner.render import render
 from limner.samples import pixel_samples

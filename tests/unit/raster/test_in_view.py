@@ -8,7 +8,7 @@ from staging import SLOW_AS_PYTHON, place, scene_of
 
 from limner.errors import UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.raster import in_view
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera

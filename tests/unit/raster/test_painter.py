@@ -11,8 +11,8 @@ from staging import SLOW_AS_PYTHON, place, scene_of, two_triangles
 
 from limner.aov import empty_values
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.raster import bsp, painter, pipeline
 from limner.samples import pixel_samples
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera

@@ -12,7 +12,7 @@ from limner._door import Array
 from limner._jit import kernel
 from limner.aov import empty_values
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.raster import pipeline
 from limner.raster.layouts import MAX_CLIPPED
 from limner.raster.plane_clip import clip_triangle_to_planes

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from staging import SLOW_AS_PYTHON, place, scene_of
 
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight

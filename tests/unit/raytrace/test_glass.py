@@ -11,7 +11,7 @@ from staging import SLOW_AS_PYTHON, place, point_light_at, scene_of, two_triangl
 
 from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.fog import Fog

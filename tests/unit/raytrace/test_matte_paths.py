@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.raytrace.driver import Stage
 from limner.render import Renderer
 from limner.scene.camera import PerspectiveCamera

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from staging import SLOW_AS_PYTHON, checkers, flat_picture, grid, lit_from, place, point_light_at, scene_of, two_triangles
 
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import AmbientLight, DirectionalLight, PointLight

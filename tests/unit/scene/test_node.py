@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from limner.errors import SceneError
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.light import PointLight
 from limner.scene.node import MAX_DEPTH, Node

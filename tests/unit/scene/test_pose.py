@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from menagerie import menagerie
 
 from limner.errors import SceneError
 from limner.linear import transform
@@ -89,6 +90,13 @@ class TestNodes:
         """A node's own motion is part of the moment, with an animation or without."""
         scene = Scene(Node("world", children=(Node("ball", motion=Motion.shift((2, 0, 0))),)))
         np.testing.assert_allclose(places(scene.at(0.25))["world/ball"][:3, 3], (0.5, 0, 0))
+
+    def test_a_ground_leaves_nodes_their_paths(self) -> None:
+        """Bug: a ground put everything a level deeper, and animations and skins no longer found their nodes. Fix: it stands beside them."""
+        scene = menagerie()
+        before = [placed.path for placed, _ in scene.at(0.5).shapes()]
+        after = [placed.path for placed, _ in scene.with_ground().at(0.5).shapes()]
+        assert after == [*before, "world/ground"]
 
     def test_a_scale_may_pass_through_zero(self) -> None:
         """Nothing is divided by it."""

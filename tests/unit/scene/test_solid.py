@@ -10,7 +10,7 @@ import pytest
 
 from limner.errors import SceneError
 from limner.linear.transform import rotate, scale, translate
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce.facts import tight_bounds
 from limner.scene import solid as solids
 from limner.scene.digest import scene_digest

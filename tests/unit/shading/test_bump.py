@@ -11,7 +11,7 @@ from staging import SLOW_AS_PYTHON, interior, place, scene_of
 
 from limner.image.image import Image
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera
 from limner.scene.material import BlinnPhong, Lambert, Material, MetallicRoughness

@@ -9,8 +9,8 @@ import pytest
 
 from limner.errors import SceneError, UnsupportedError
 from limner.linear import transform
-from limner.mesh import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.camera import OrthographicCamera
 from limner.scene.light import DirectionalLight

@@ -9,7 +9,7 @@ import pytest
 from staging import WHITE, checkers, grid, place, scene_of
 
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import AmbientLight, SpotLight
 from limner.scene.material import Lambert, MetallicRoughness

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from staging import place, scene_of
 
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.scene.camera import PerspectiveCamera
 from limner.scene.material import Dielectric, Lambert, Material, MetallicRoughness
 from limner.scene.material_extensions import Clearcoat, Sheen, Specular, Transmission, Volume

@@ -22,10 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import SceneError
-from ..bands import halved
 from ..mesh import Mesh
 from ..normals import vertex_normals
 from ..polygons import mesh_from_polygons
+from ..shapes.bands import halved
 from ..sizes import check_triangles
 from .cage import cage_of, check_levels
 from .creases import NO_CREASES, Sharpness, blended, checked_creases, sharpness_of
@@ -86,7 +86,7 @@ def catmull_clark(
 
     Examples
     --------
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> catmull_clark(box(), 2)
     Mesh('box', 98 positions, 192 triangles)
     """

@@ -68,7 +68,7 @@ def loop(
 
     Examples
     --------
-    >>> from limner.mesh.primitives import icosahedron
+    >>> from limner.mesh.shapes.primitives import icosahedron
     >>> loop(icosahedron(), 2)
     Mesh('icosahedron', 162 positions, 320 triangles)
     """

@@ -53,7 +53,7 @@ def sqrt3(mesh: Mesh, levels: int = 2, *, uv_rule: str = "smooth", limit: bool =
 
     Examples
     --------
-    >>> from limner.mesh.primitives import icosahedron
+    >>> from limner.mesh.shapes.primitives import icosahedron
     >>> sqrt3(icosahedron(), 3)
     Mesh('icosahedron', 272 positions, 540 triangles)
     """

@@ -127,7 +127,7 @@ def uv_distortion(mesh: Mesh) -> Distortion:
 
     Examples
     --------
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> found = uv_distortion(box((1.0, 1.0, 2.0)))
     >>> found.conformal.round(6).tolist()
     [2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0]

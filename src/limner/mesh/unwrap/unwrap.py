@@ -73,7 +73,7 @@ def uv_unwrap(
 
     Examples
     --------
-    >>> from limner.mesh.primitives import box
+    >>> from limner.mesh.shapes.primitives import box
     >>> flat = uv_unwrap(box(), resolution=64)
     >>> flat.uv_triangles.shape, len(flat.positions)
     ((12, 3), 8)

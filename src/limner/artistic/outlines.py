@@ -28,7 +28,7 @@ from ..mesh.adjacency import Adjacency
 from .edges import EdgeKinds, Faces
 from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines
-from .surfaces import Surfaces, corner_normals
+from .surfaces import Surfaces, calmed, corner_normals
 from .zeros import gradients, on, segments_in, zero_segments
 
 __all__ = ["Outlines", "outlines", "towards_eye"]
@@ -38,6 +38,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 _EDGE_ON = 1e-4  # cosine between a normal and the ray to the eye: what rounding, to six digits or to float32, leaves of 0
+_NOISE = 0.06  # of the grain's angle: what more than that would be no longer at the outline
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
 _VISIBLE = 1.0  # pixels between a triangle and the smooth surface that it stands for
 
@@ -63,19 +64,21 @@ def outlines(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: EdgeKin
     """Find silhouettes; `smooth`: as of smooth surfaces, however rough the mesh is."""
     normals = corner_normals(surfaces, faces.adjacency, kinds.sharp)
     corners = surfaces.points[surfaces.triangles]
+    normals, noise = calmed(surfaces, faces.adjacency, kinds.sharp, normals)
     if not smooth:
         rough = _stands_out(surfaces, faces, sight, normals)
-        normals[rough] = faces.normals[rough, None]
+        normals[rough], noise[rough] = faces.normals[rough, None], 0.0
     towards = sight.towards(corners.reshape(-1, 3)).reshape(corners.shape)
-    values = (normals * towards).sum(axis=2) - _EDGE_ON * np.sqrt((towards * towards).sum(axis=2))
+    values = (normals * towards).sum(axis=2) - (_EDGE_ON + np.minimum(noise, _NOISE)) * np.sqrt((towards * towards).sum(axis=2))
     values[~surfaces.bounded] = 1.0
     ends, rows = zero_segments(surfaces, values)
     gradient, _ = gradients(corners[rows], values[rows])
     # Towards the eye n . e grows where the surface bends away, and falls where it hollows: there it hides its own silhouette.
     inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
-    within = segments_in(surfaces, kind, ends, rows, _apart(corners[rows], normals[rows]), inwards.astype(np.int64))
+    apart = _apart(surfaces, sight, normals, noise.max(axis=1, initial=0.0))
+    within = segments_in(surfaces, kind, ends, rows, apart[rows], inwards.astype(np.int64))
     jumps = _jumps(surfaces, faces.adjacency, values)
-    return Outlines(joined([within, _along(surfaces, corners, normals, jumps, kind)]), *_others(surfaces, kinds, jumps))
+    return Outlines(joined([within, _along(surfaces, apart, jumps, kinds, kind)]), *_others(surfaces, kinds, jumps))
 
 
 def towards_eye(sight: SightLines, points: Floats, normals: Floats) -> Flags:
@@ -90,14 +93,17 @@ def _stands_out(surfaces: Surfaces, faces: Faces, sight: SightLines, normals: Fl
     corners = surfaces.points[surfaces.triangles]
     turn = np.linalg.norm(normals - faces.normals[:, None], axis=2).max(axis=1, initial=0.0)
     against = ((normals * faces.normals[:, None]).sum(axis=2) <= 0.0).any(axis=1)
-    pixels = sight.pixels / np.maximum(sight.depths(corners[:, 0]), max(sight.near, 1e-300)) if sight.perspective else sight.pixels
-    return np.asarray(against | (0.25 * turn * _longest(corners) * pixels > _VISIBLE))
+    return np.asarray(against | (0.25 * turn * _longest(corners) > _VISIBLE * sight.pixel_at(corners[:, 0])))
 
 
-def _apart(corners: Floats, normals: Floats) -> Floats:
-    """How far triangles and the smooth surface that they stand for may be apart, (k,) metres."""
+def _apart(surfaces: Surfaces, sight: SightLines, normals: Floats, noise: Floats) -> Floats:
+    """How far triangles and the smooth surface that they stand for may be apart, (m,) metres: of a mesh as far as may not show, for what
+    is not seen of its grain hides nothing, and half as far again where the grain's angle, `noise` (m,), says that there is one."""
     bent = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-    return np.asarray(_BENT * _longest(corners) * bent)
+    corners = surfaces.points[surfaces.triangles]
+    made = _BENT * bent * _longest(corners)
+    least = _VISIBLE * (1.0 + 0.5 * np.minimum(noise / _NOISE, 1.0)) * sight.pixel_at(corners[:, 0])
+    return np.asarray(np.where((bent > 0.0) & ~surfaces.exact, np.maximum(made, least), made))
 
 
 def _longest(corners: Floats) -> Floats:
@@ -160,14 +166,14 @@ def _zero(f: Floats) -> Floats:
     return np.asarray(np.where(mixed, f[0] / np.where(mixed, f[0] - f[1], 1.0), 1.0))
 
 
-def _along(surfaces: Surfaces, corners: Floats, normals: Floats, jumps: _Jumps, kind: int) -> Segments:
-    """The parts of edges that are silhouettes; what hides them where both sides are as flat as they look follows from the numbers."""
+def _along(surfaces: Surfaces, apart: Floats, jumps: _Jumps, kinds: EdgeKinds, kind: int) -> Segments:
+    """The parts of edges that are silhouettes; that the sides of a sharp edge do not hide it follows from the numbers."""
     row = np.flatnonzero(jumps.parted)
     one, other = jumps.one[row], jumps.other[row]
-    slack = np.maximum(_apart(corners[one], normals[one]), _apart(corners[other], normals[other]))
+    slack = np.maximum(apart[one], apart[other])
     made = segments_in(surfaces, kind, jumps.ends[row], one, slack, np.zeros(len(row), dtype=np.int64))
-    flat = slack == 0.0
-    made.triangles[:] = np.where(flat[:, None], -1, np.stack([one, other], axis=1))
+    sharp = kinds.sharp[jumps.edge[row]] & (slack == 0.0)
+    made.triangles[:] = np.where(sharp[:, None], -1, np.stack([one, other], axis=1))
     return made
 
 

@@ -15,7 +15,7 @@ from ..linear.transform import normal_matrix
 from ..mesh.adjacency import Adjacency, following
 from ..mesh.components import component_labels
 from ..mesh.mesh import Mesh
-from ..mesh.normals import vertex_normals
+from ..mesh.normals import inner, triangle_vectors, vertex_normals
 from ..mesh.weld import welded
 from ..scene.camera import Camera
 from ..scene.node import Placed
@@ -24,10 +24,13 @@ from ..scene.shape import Plane, Shape
 from ..tables.relief import Reliefs
 from ..tables.stand_ins import Sight, StandIns, inverse, tessellation
 
-__all__ = ["Surfaces", "corner_normals", "surfaces_of"]
+__all__ = ["Surfaces", "calmed", "corner_normals", "surfaces_of"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+_CALMED = 2
+_SPLIT = 1e-3  # between unit normals that are not one
 
 
 class Surfaces(NamedTuple):
@@ -174,6 +177,48 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
         made[rows] = (mesh.normals @ normal_matrix(matrix).T)[corners]
     length = np.linalg.norm(made, axis=2, keepdims=True)
     return made / np.where(length > 0.0, length, 1.0)
+
+
+def calmed(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_], normals: Floats) -> tuple[Floats, Floats]:
+    """Take the grain out of the normals at corners, (m, 3, 3), of meshes.
+
+    Returns
+    -------
+    (m, 3, 3) float64
+        Each the mean of those around it, `_CALMED` times, as far as one comes without crossing an edge that is `sharp`; unit. Where a mesh
+        has several normals in one place, which is meant, they stay.
+    (m, 3) float64
+        By how much normals change by it thereabouts, on the mean: the sine of the grain's angle. Of a smooth surface, where they go
+        evenly from one to the next, next to nothing.
+    """
+    rows, noise = np.flatnonzero(~surfaces.exact), np.zeros(normals.shape[:2])
+    if not len(rows):
+        return normals, noise
+    groups = _smooth_groups(adjacency, sharp)[rows].reshape(-1)
+    count = int(groups.max()) + 1
+    across = triangle_vectors(surfaces.points, surfaces.triangles[rows])[3]
+    area = np.sqrt(inner(across, across))
+
+    def spread(values: Floats) -> Floats:
+        """The means over triangles, (m,), of values at groups, brought back to the groups."""
+        mean = values[groups].reshape(-1, 3).sum(axis=1) * (area / 3.0)
+        return np.asarray(np.bincount(groups, np.repeat(mean, 3), count) * share)
+
+    total = np.bincount(groups, np.repeat(area, 3), count)
+    share = 1.0 / np.where(total > 0.0, total, 1.0)
+    own, at = normals[rows].reshape(-1, 3), np.zeros((count, 3))
+    at[groups] = own
+    meant = np.zeros(count, dtype=bool)
+    meant[groups[(np.abs(own - at[groups]) > _SPLIT).any(axis=1)]] = True
+    calm = at
+    for _ in range(_CALMED):
+        calm = np.stack([spread(column) for column in calm.T], axis=1)
+        length = np.linalg.norm(calm, axis=1, keepdims=True)
+        calm = np.where(meant[:, None], at, calm / np.where(length > 0.0, length, 1.0))
+    change, made = np.linalg.norm(calm - at, axis=1), normals.copy()
+    made[rows] = np.where(meant[groups, None], own, calm[groups]).reshape(-1, 3, 3)
+    noise[rows] = spread(change)[groups].reshape(-1, 3)
+    return made, noise
 
 
 def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:

@@ -71,8 +71,8 @@ class _Path(NamedTuple):
 def strokes_of(
     found: Thrown, parts: Parts, sight: SightLines, smooth: NDArray[np.bool_], faint: NDArray[np.bool_] | None = None
 ) -> list[Stroke]:
-    """Join what visibility has parted; `smooth`, (k,), says which lines are silhouettes that run beside those of the mesh, and `faint`, (k,),
-    which of them do not stand out from it."""
+    """Join what visibility has parted; `smooth`, (k,), says which lines run beside those of the mesh, or on a rough one, and `faint`, (k,),
+    which do not stand out from it."""
     if not len(parts.line):
         return []
     chains = _chains_of(found)

@@ -109,7 +109,10 @@ def edge_segments(surfaces: Surfaces, faces: Faces, kinds: EdgeKinds, chosen: Fl
     none = np.full((len(found), 2), -1, dtype=np.int64)
     slack, own = np.full(len(found), ROUNDING * surfaces.extent), np.zeros(len(found), dtype=np.int64)
     slack = np.where(kinds.rough[found], np.maximum(slack, sight.pixel_at(ends[:, 0])), slack)
-    return Segments(kinds.kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
+    beside = _beside(faces.adjacency).one[found].astype(np.int64) // 3
+    return Segments(
+        kinds.kind[found], ends, none, slack, own, surfaces.instance[beside], np.zeros(len(found), dtype=bool), beside
+    )
 
 
 class _Beside(NamedTuple):

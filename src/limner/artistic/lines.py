@@ -192,7 +192,7 @@ def drawing_of(
     silhouettes = np.isin(found.segments.kind, (numbers["silhouette"], numbers["smooth_silhouette"]))
     rough = silhouettes | (found.segments.kind == numbers["crease"])
     smooth = rough & (found.segments.slack > 2.0 * ROUNDING * surfaces.extent)
-    strokes = strokes_of(found, parts, sight, smooth, faint(found, silhouettes, surfaces, faces, sight, triangles, source))
+    strokes = strokes_of(found, parts, sight, smooth, faint(found, surfaces, faces, sight, triangles, source))
     lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())

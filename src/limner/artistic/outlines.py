@@ -38,7 +38,7 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 _EDGE_ON = 1e-4  # cosine between a normal and the ray to the eye: what rounding, to six digits or to float32, leaves of 0
-_NOISE = 0.06  # of the grain's angle: what more than that would be no longer at the outline
+_NOISE = 0.05  # of the grain's angle: what more than that would be no longer at the outline
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
 _VISIBLE = 1.0  # pixels between a triangle and the smooth surface that it stands for
 
@@ -77,6 +77,7 @@ def outlines(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: EdgeKin
     inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
     apart = _apart(surfaces, sight, normals, noise.max(axis=1, initial=0.0))
     within = segments_in(surfaces, kind, ends, rows, apart[rows], inwards.astype(np.int64))
+    within = within._replace(soft=~surfaces.exact[rows])
     jumps = _jumps(surfaces, faces.adjacency, values)
     return Outlines(joined([within, _along(surfaces, apart, jumps, kinds, kind)]), *_others(surfaces, kinds, jumps))
 
@@ -97,13 +98,13 @@ def _stands_out(surfaces: Surfaces, faces: Faces, sight: SightLines, normals: Fl
 
 
 def _apart(surfaces: Surfaces, sight: SightLines, normals: Floats, noise: Floats) -> Floats:
-    """How far triangles and the smooth surface that they stand for may be apart, (m,) metres: of a mesh as far as may not show, for what
-    is not seen of its grain hides nothing, and half as far again where the grain's angle, `noise` (m,), says that there is one."""
+    """How far triangles and the smooth surface that they stand for may be apart, (m,) metres; where there is a grain of the angle `noise`,
+    (m,), at least as far as may not show, and half as far again, for what is not seen of it hides nothing."""
     bent = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2).max(axis=1, initial=0.0)
     corners = surfaces.points[surfaces.triangles]
     made = _BENT * bent * _longest(corners)
     least = _VISIBLE * (1.0 + 0.5 * np.minimum(noise / _NOISE, 1.0)) * sight.pixel_at(corners[:, 0])
-    return np.asarray(np.where((bent > 0.0) & ~surfaces.exact, np.maximum(made, least), made))
+    return np.asarray(np.where((bent > 0.0) & (noise > 0.0), np.maximum(made, least), made))
 
 
 def _longest(corners: Floats) -> Floats:
@@ -167,14 +168,13 @@ def _zero(f: Floats) -> Floats:
 
 
 def _along(surfaces: Surfaces, apart: Floats, jumps: _Jumps, kinds: EdgeKinds, kind: int) -> Segments:
-    """The parts of edges that are silhouettes; that the sides of a sharp edge do not hide it follows from the numbers."""
+    """The parts of edges that are silhouettes; what hides them where both sides are as flat as they look follows from the numbers."""
     row = np.flatnonzero(jumps.parted)
     one, other = jumps.one[row], jumps.other[row]
     slack = np.maximum(apart[one], apart[other])
     made = segments_in(surfaces, kind, jumps.ends[row], one, slack, np.zeros(len(row), dtype=np.int64))
-    sharp = kinds.sharp[jumps.edge[row]] & (slack == 0.0)
-    made.triangles[:] = np.where(sharp[:, None], -1, np.stack([one, other], axis=1))
-    return made
+    made.triangles[:] = np.where((slack == 0.0)[:, None], -1, np.stack([one, other], axis=1))
+    return made._replace(soft=~kinds.sharp[jumps.edge[row]] & ~surfaces.exact[one], beside=one)
 
 
 def _others(surfaces: Surfaces, kinds: EdgeKinds, jumps: _Jumps) -> tuple[Flags, Segments]:
@@ -184,5 +184,6 @@ def _others(surfaces: Surfaces, kinds: EdgeKinds, jumps: _Jumps) -> tuple[Flags,
     n, triangles = len(row), np.stack([jumps.one[row], jumps.other[row]], axis=1)
     slack = np.full(n, ROUNDING * surfaces.extent)
     return free, Segments(
-        kinds.kind[jumps.edge[row]], jumps.ends[row], triangles, slack, np.zeros(n, dtype=np.int64), surfaces.instance[triangles[:, 0]]
-    )
+        kinds.kind[jumps.edge[row]], jumps.ends[row], triangles, slack, np.zeros(n, dtype=np.int64), surfaces.instance[triangles[:, 0]],
+        np.zeros(n, dtype=bool), triangles[:, 0].copy(),
+    )  # fmt: skip

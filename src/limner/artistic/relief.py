@@ -46,13 +46,13 @@ _find_beside = Door(
 )  # fmt: skip
 
 
-def faint(found: Thrown, chosen: Flags, surfaces: Surfaces, faces: Faces, sight: SightLines, triangles: Floats, source: Indices) -> Flags:
-    """Which of some lines, (k,) bool, do not stand out; `triangles` and `source` are what may hide lines, on the picture."""
-    made = np.zeros(len(chosen), dtype=bool)
-    rows = np.flatnonzero(chosen & (found.segments.triangles[:, 0] >= 0))
+def faint(found: Thrown, surfaces: Surfaces, faces: Faces, sight: SightLines, triangles: Floats, source: Indices) -> Flags:
+    """Which lines, (k,) bool, do not stand out, of those that are `soft`; `triangles` and `source` are what may hide lines."""
+    made = found.segments.soft.copy()
+    rows = np.flatnonzero(made)
     if not len(rows):
         return made
-    own = found.segments.triangles[rows, 0]
+    own = found.segments.beside[rows]
     group = _groups(faces, len(surfaces.triangles))
     points = np.repeat(found.lines[rows].mean(axis=1)[None], len(_ASIDE), axis=0)
     outwards = _outwards(found.segments.ends[rows].mean(axis=1), faces.normals[own], sight)

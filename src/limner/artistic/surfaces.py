@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _CALMED = 2
+_EVEN, _MIXED = 0.91, 0.03  # of how much means of normals differ from one place to the next, to how much normals do
+_RIM = 0.2  # between unit normals
 _SPLIT = 1e-3  # between unit normals that are not one
 
 
@@ -188,8 +190,12 @@ def calmed(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_], n
         Each the mean of those around it, `_CALMED` times, as far as one comes without crossing an edge that is `sharp`; unit. Where a mesh
         has several normals in one place, which is meant, they stay.
     (m, 3) float64
-        By how much normals change by it thereabouts, on the mean: the sine of the grain's angle. Of a smooth surface, where they go
-        evenly from one to the next, next to nothing.
+        By how much normals change by it thereabouts, on the mean: the sine of the grain's angle; 0 of a shape that has none.
+
+    Notes
+    -----
+    Where a surface only bends, means differ from one place to the next by as much as normals do; where it has a grain, by less. Of a shape
+    of which they differ by nearly as much the normals stay as they are.
     """
     rows, noise = np.flatnonzero(~surfaces.exact), np.zeros(normals.shape[:2])
     if not len(rows):
@@ -202,10 +208,10 @@ def calmed(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_], n
     def spread(values: Floats) -> Floats:
         """The means over triangles, (m,), of values at groups, brought back to the groups."""
         mean = values[groups].reshape(-1, 3).sum(axis=1) * (area / 3.0)
-        return np.asarray(np.bincount(groups, np.repeat(mean, 3), count) * share)
+        return np.asarray(np.bincount(groups, np.repeat(mean, 3), count) * weight)
 
     total = np.bincount(groups, np.repeat(area, 3), count)
-    share = 1.0 / np.where(total > 0.0, total, 1.0)
+    weight = 1.0 / np.where(total > 0.0, total, 1.0)
     own, at = normals[rows].reshape(-1, 3), np.zeros((count, 3))
     at[groups] = own
     meant = np.zeros(count, dtype=bool)
@@ -215,10 +221,23 @@ def calmed(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_], n
         calm = np.stack([spread(column) for column in calm.T], axis=1)
         length = np.linalg.norm(calm, axis=1, keepdims=True)
         calm = np.where(meant[:, None], at, calm / np.where(length > 0.0, length, 1.0))
-    change, made = np.linalg.norm(calm - at, axis=1), normals.copy()
-    made[rows] = np.where(meant[groups, None], own, calm[groups]).reshape(-1, 3, 3)
-    noise[rows] = spread(change)[groups].reshape(-1, 3)
+    change = np.linalg.norm(calm - at, axis=1)
+    # What changes by more is no grain, but the rim of something thin.
+    meant |= change > _RIM
+    change[meant] = 0.0
+    share = _grained(surfaces.instance[rows], area, at[groups], calm[groups])[:, None]
+    moved, made = np.where(meant[groups, None], own, calm[groups]).reshape(-1, 3, 3), normals.copy()
+    made[rows] += share[:, None] * (moved - made[rows])
+    noise[rows] = share * spread(change)[groups].reshape(-1, 3)
     return made, noise
+
+
+def _grained(instance: Indices, area: Floats, normals: Floats, means: Floats) -> Floats:
+    """How much of a grain the shape of each triangle has, (m,) from 0 to 1, from normals and their means at its corners, (3 m, 3)."""
+    sides = [np.linalg.norm(n - np.roll(n, 1, axis=1), axis=2).sum(axis=1) for n in (v.reshape(-1, 3, 3) for v in (normals, means))]
+    before, after = (np.bincount(instance, area * side) for side in sides)
+    left = after / np.where(before > 0.0, before, 1.0)
+    return np.asarray(np.where(before > 0.0, np.clip((_EVEN - left) / _MIXED, 0.0, 1.0), 0.0)[instance])
 
 
 def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:

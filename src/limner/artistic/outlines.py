@@ -24,11 +24,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .._door import Array, Door, Scalar
 from ..mesh.adjacency import Adjacency
 from .edges import EdgeKinds, Faces
+from .grain import without_grain
 from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines
-from .surfaces import Surfaces, calmed, corner_normals
+from .surfaces import Surfaces, corner_normals
 from .zeros import gradients, on, segments_in, zero_segments
 
 __all__ = ["Outlines", "outlines", "towards_eye"]
@@ -41,6 +43,18 @@ _EDGE_ON = 1e-4  # cosine between a normal and the ray to the eye: what rounding
 _NOISE = 0.05  # of the grain's angle: what more than that would be no longer at the outline
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
 _VISIBLE = 1.0  # pixels between a triangle and the smooth surface that it stands for
+
+
+_face_eye = Door(
+    "limner.artistic.grain_kernel",
+    "face_eye",
+    (
+        Array(np.float64, 3), Array(np.float64, 2), Array(np.float64, 3), Array(np.float64, 2), Scalar(np.int64), Array(np.float64, 1),
+        Scalar(np.int64), Array(np.float64, 1), Scalar(np.float64), Scalar(np.float64), Array(np.float64, 1), Array(np.float64, 2),
+        Array(np.float64, 1),
+    ),
+    "what faces the eye",
+)  # fmt: skip
 
 
 class Outlines(NamedTuple):
@@ -62,20 +76,20 @@ class Outlines(NamedTuple):
 
 def outlines(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: EdgeKinds, kind: int, *, smooth: bool = False) -> Outlines:
     """Find silhouettes; `smooth`: as of smooth surfaces, however rough the mesh is."""
-    normals = corner_normals(surfaces, faces.adjacency, kinds.sharp)
-    corners = surfaces.points[surfaces.triangles]
-    normals, noise = calmed(surfaces, faces.adjacency, kinds.sharp, normals)
-    if not smooth:
-        rough = _stands_out(surfaces, faces, sight, normals)
-        normals[rough], noise[rough] = faces.normals[rough, None], 0.0
-    towards = sight.towards(corners.reshape(-1, 3)).reshape(corners.shape)
-    values = (normals * towards).sum(axis=2) - (_EDGE_ON + np.minimum(noise, _NOISE)) * np.sqrt((towards * towards).sum(axis=2))
+    normals, noise = without_grain(surfaces, faces.adjacency, kinds.sharp, corner_normals(surfaces, faces.adjacency, kinds.sharp))
+    corners, m = surfaces.points[surfaces.triangles], len(surfaces.triangles)
+    values, apart = np.empty((m, 3)), np.empty(m)
+    eye = sight.eye if sight.perspective else sight.back
+    _face_eye(
+        corners, faces.normals, normals, noise, int(smooth), np.ascontiguousarray(eye), int(sight.perspective),
+        np.ascontiguousarray(sight.matrix[2]), max(sight.near, 1e-300), sight.pixels, np.array([_EDGE_ON, _NOISE, _VISIBLE, _BENT]), values,
+        apart,
+    )  # fmt: skip
     values[~surfaces.bounded] = 1.0
     ends, rows = zero_segments(surfaces, values)
     gradient, _ = gradients(corners[rows], values[rows])
     # Towards the eye n . e grows where the surface bends away, and falls where it hollows: there it hides its own silhouette.
     inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
-    apart = _apart(surfaces, sight, normals, noise.max(axis=1, initial=0.0))
     within = segments_in(surfaces, kind, ends, rows, apart[rows], inwards.astype(np.int64))
     within = within._replace(soft=~surfaces.exact[rows])
     jumps = _jumps(surfaces, faces.adjacency, values)
@@ -86,29 +100,6 @@ def towards_eye(sight: SightLines, points: Floats, normals: Floats) -> Flags:
     """Whether surfaces face the eye at points, (k, 3), with unit normals, (k, 3)."""
     towards = sight.towards(points)
     return np.asarray((normals * towards).sum(axis=1) > _EDGE_ON * np.sqrt((towards * towards).sum(axis=1)))
-
-
-def _stands_out(surfaces: Surfaces, faces: Faces, sight: SightLines, normals: Floats) -> Flags:
-    """Which triangles one can tell from the smooth surface that they stand for: an arc that turns by a over a chord s is a s / 8 away,
-    and its ends turn by a / 2 from the chord."""
-    corners = surfaces.points[surfaces.triangles]
-    turn = np.linalg.norm(normals - faces.normals[:, None], axis=2).max(axis=1, initial=0.0)
-    against = ((normals * faces.normals[:, None]).sum(axis=2) <= 0.0).any(axis=1)
-    return np.asarray(against | (0.25 * turn * _longest(corners) > _VISIBLE * sight.pixel_at(corners[:, 0])))
-
-
-def _apart(surfaces: Surfaces, sight: SightLines, normals: Floats, noise: Floats) -> Floats:
-    """How far triangles and the smooth surface that they stand for may be apart, (m,) metres; where there is a grain of the angle `noise`,
-    (m,), at least as far as may not show, and half as far again, for what is not seen of it hides nothing."""
-    bent = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-    corners = surfaces.points[surfaces.triangles]
-    made = _BENT * bent * _longest(corners)
-    least = _VISIBLE * (1.0 + 0.5 * np.minimum(noise / _NOISE, 1.0)) * sight.pixel_at(corners[:, 0])
-    return np.asarray(np.where((bent > 0.0) & (noise > 0.0), np.maximum(made, least), made))
-
-
-def _longest(corners: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0))
 
 
 # --- along edges ----------------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from ..linear.transform import normal_matrix
 from ..mesh.adjacency import Adjacency, following
 from ..mesh.components import component_labels
 from ..mesh.mesh import Mesh
-from ..mesh.normals import inner, triangle_vectors, vertex_normals
+from ..mesh.normals import vertex_normals
 from ..mesh.weld import welded
 from ..scene.camera import Camera
 from ..scene.node import Placed
@@ -24,15 +24,10 @@ from ..scene.shape import Plane, Shape
 from ..tables.relief import Reliefs
 from ..tables.stand_ins import Sight, StandIns, inverse, tessellation
 
-__all__ = ["Surfaces", "calmed", "corner_normals", "surfaces_of"]
+__all__ = ["Surfaces", "corner_normals", "smooth_groups", "surfaces_of"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-_CALMED = 2
-_EVEN, _MIXED = 0.91, 0.03  # of how much means of normals differ from one place to the next, to how much normals do
-_RIM = 0.2  # between unit normals
-_SPLIT = 1e-3  # between unit normals that are not one
 
 
 class Surfaces(NamedTuple):
@@ -168,7 +163,7 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
         triangles = surfaces.triangles[rows]
         kept = _kept(mesh, len(triangles))
         if mesh.normals is None or kept is None:
-            groups = _smooth_groups(adjacency, sharp) if groups is None else groups
+            groups = smooth_groups(adjacency, sharp) if groups is None else groups
             _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
             local = local.reshape(-1, 3)
             made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local)[local]
@@ -181,66 +176,7 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
     return made / np.where(length > 0.0, length, 1.0)
 
 
-def calmed(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bool_], normals: Floats) -> tuple[Floats, Floats]:
-    """Take the grain out of the normals at corners, (m, 3, 3), of meshes.
-
-    Returns
-    -------
-    (m, 3, 3) float64
-        Each the mean of those around it, `_CALMED` times, as far as one comes without crossing an edge that is `sharp`; unit. Where a mesh
-        has several normals in one place, which is meant, they stay.
-    (m, 3) float64
-        By how much normals change by it thereabouts, on the mean: the sine of the grain's angle; 0 of a shape that has none.
-
-    Notes
-    -----
-    Where a surface only bends, means differ from one place to the next by as much as normals do; where it has a grain, by less. Of a shape
-    of which they differ by nearly as much the normals stay as they are.
-    """
-    rows, noise = np.flatnonzero(~surfaces.exact), np.zeros(normals.shape[:2])
-    if not len(rows):
-        return normals, noise
-    groups = _smooth_groups(adjacency, sharp)[rows].reshape(-1)
-    count = int(groups.max()) + 1
-    across = triangle_vectors(surfaces.points, surfaces.triangles[rows])[3]
-    area = np.sqrt(inner(across, across))
-
-    def spread(values: Floats) -> Floats:
-        """The means over triangles, (m,), of values at groups, brought back to the groups."""
-        mean = values[groups].reshape(-1, 3).sum(axis=1) * (area / 3.0)
-        return np.asarray(np.bincount(groups, np.repeat(mean, 3), count) * weight)
-
-    total = np.bincount(groups, np.repeat(area, 3), count)
-    weight = 1.0 / np.where(total > 0.0, total, 1.0)
-    own, at = normals[rows].reshape(-1, 3), np.zeros((count, 3))
-    at[groups] = own
-    meant = np.zeros(count, dtype=bool)
-    meant[groups[(np.abs(own - at[groups]) > _SPLIT).any(axis=1)]] = True
-    calm = at
-    for _ in range(_CALMED):
-        calm = np.stack([spread(column) for column in calm.T], axis=1)
-        length = np.linalg.norm(calm, axis=1, keepdims=True)
-        calm = np.where(meant[:, None], at, calm / np.where(length > 0.0, length, 1.0))
-    change = np.linalg.norm(calm - at, axis=1)
-    # What changes by more is no grain, but the rim of something thin.
-    meant |= change > _RIM
-    change[meant] = 0.0
-    share = _grained(surfaces.instance[rows], area, at[groups], calm[groups])[:, None]
-    moved, made = np.where(meant[groups, None], own, calm[groups]).reshape(-1, 3, 3), normals.copy()
-    made[rows] += share[:, None] * (moved - made[rows])
-    noise[rows] = share * spread(change)[groups].reshape(-1, 3)
-    return made, noise
-
-
-def _grained(instance: Indices, area: Floats, normals: Floats, means: Floats) -> Floats:
-    """How much of a grain the shape of each triangle has, (m,) from 0 to 1, from normals and their means at its corners, (3 m, 3)."""
-    sides = [np.linalg.norm(n - np.roll(n, 1, axis=1), axis=2).sum(axis=1) for n in (v.reshape(-1, 3, 3) for v in (normals, means))]
-    before, after = (np.bincount(instance, area * side) for side in sides)
-    left = after / np.where(before > 0.0, before, 1.0)
-    return np.asarray(np.where(before > 0.0, np.clip((_EVEN - left) / _MIXED, 0.0, 1.0), 0.0)[instance])
-
-
-def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
+def smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
     """(m, 3): numbers of corners, one for those in one place between which no sharp edge lies."""
     vertex = adjacency.triangles.reshape(-1).astype(np.int64)
     split = np.zeros(adjacency.n_vertices, dtype=bool)
@@ -260,7 +196,7 @@ def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
     label = component_labels(len(picked), a[a >= 0], b[a >= 0])
     made = vertex.copy()
     made[picked] = adjacency.n_vertices + label
-    return made.reshape(-1, 3)
+    return np.ascontiguousarray(made.reshape(-1, 3))
 
 
 def _kept(mesh: Mesh, n_triangles: int) -> NDArray[np.bool_] | None:

@@ -166,14 +166,18 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
             groups = smooth_groups(adjacency, sharp) if groups is None else groups
             _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
             local = local.reshape(-1, 3)
-            made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local)[local]
+            made[rows] = _unit(vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local))[local]
             continue
         corners = (mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles)[kept]
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             corners = corners[:, ::-1]
-        made[rows] = (mesh.normals @ normal_matrix(matrix).T)[corners]
-    length = np.linalg.norm(made, axis=2, keepdims=True)
-    return made / np.where(length > 0.0, length, 1.0)
+        made[rows] = _unit(mesh.normals @ normal_matrix(matrix).T)[corners]
+    return made
+
+
+def _unit(vectors: Floats) -> Floats:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
 
 
 def smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:

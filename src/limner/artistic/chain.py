@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .crowded import beside_others
 from .sight_lines import SightLines
 from .simplify import points_that_show
 from .visibility import Parts, Thrown
@@ -25,8 +26,9 @@ Indices = NDArray[np.int64]
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
 _LEAST_SMOOTH = 2.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
 _LEAST_DASH = 4.0  # pixels: of parts of these that are hidden
-_LEAST_SEEN = 1.0  # pixels: of whole chains of these that are seen
+_LEAST_SEEN = 4.0  # pixels: of whole chains of these that are seen
 _SPECK = 0.1  # of all lines of a shape: what is longer is no speck of it
+_GRAIN, _TUFT, _FADING = 4.0, 6.0, 8.0  # pixels: of what does not stand out between parts that do, of these, and of where it fades
 _SAME = 0.1  # pixels that a stroke may stray for having fewer points
 _STAR = 32  # lines that meet in a point: more are rays of a star, each of which is a stroke
 _PASSES = 4  # in which short parts give way to those beside them
@@ -66,14 +68,21 @@ class _Path(NamedTuple):
     least: Floats
 
 
-def strokes_of(found: Thrown, parts: Parts, sight: SightLines, smooth: NDArray[np.bool_]) -> list[Stroke]:
-    """Join what visibility has parted; `smooth`, (k,), says which lines are silhouettes that run beside those of the mesh."""
+def strokes_of(
+    found: Thrown, parts: Parts, sight: SightLines, smooth: NDArray[np.bool_], faint: NDArray[np.bool_] | None = None
+) -> list[Stroke]:
+    """Join what visibility has parted; `smooth`, (k,), says which lines run beside those of the mesh, or on a rough one, and `faint`, (k,),
+    which do not stand out from it."""
     if not len(parts.line):
         return []
     chains = _chains_of(found)
     path = _path_of(found, parts, chains, smooth)
+    if faint is not None and faint.any():
+        path = _without_faint(path, faint[path.line])
     path = _merged(path._replace(hidden_by=_without_short(path)))
-    return _simplified(_strokes(found, _without_specks(found, path), chains, sight))
+    path = _without_specks(found, path)
+    path = _without_crowded(path, _crowded(found, path))
+    return _simplified(_strokes(found, path, chains, sight))
 
 
 # --- which pieces follow each other ---------------------------------------------------------------------------------------
@@ -192,15 +201,63 @@ def _without_short(path: _Path) -> Indices:
         before = np.where(joined, np.append(0.0, length[:-1]), 0.0)
         goes_on = np.append(joined[1:], False)
         after = np.where(goes_on, np.append(length[1:], 0.0), 0.0)
-        short = (length < path.least[first]) & (np.maximum(before, after) > length)
+        # What is hidden between two parts that are seen, and too short for a dash, would be a gap.
+        number = hidden_by[first]
+        seen = joined & goes_on & (np.append(1, number[:-1]) == 0) & (np.append(number[1:], 1) == 0)
+        least = np.where(seen & (path.least[first] > _LEAST), _LEAST_DASH, path.least[first])
+        short = (length < least) & (np.maximum(before, after) > length)
         # Of two short ones side by side, the shorter first.
         short &= ~(joined & np.append(False, short[:-1]) & (before < length)) & ~(goes_on & np.append(short[1:], False) & (after < length))
         if not short.any():
             break
-        number = hidden_by[first]
         taken = np.where(before >= after, np.append(0, number[:-1]), np.append(number[1:], 0))
         hidden_by = np.where(short, taken, number)[run]
     return hidden_by
+
+
+def _without_faint(path: _Path, faint: NDArray[np.bool_]) -> _Path:
+    """Leave out what does not stand out, (n,) bool, for longer than a gap; what stands out for no more than a speck is left out with it."""
+    faint = _where_short(path, faint, _GRAIN, ends=False)
+    faint = ~_where_short(path, ~faint, _TUFT, ends=True)
+    return _chosen(path, ~_where_short(path, faint, _FADING, ends=True))
+
+
+def _crowded(found: Thrown, path: _Path) -> NDArray[np.bool_]:
+    """Which hidden parts of smooth lines run beside other lines of their shape, (n,)."""
+    if not (path.least > _LEAST).any():
+        return np.zeros(len(path.line), dtype=bool)
+    begins = ~path.joined.copy()
+    begins[1:] |= path.hidden_by[1:] != path.hidden_by[:-1]
+    start, way = found.lines[path.line, 0, :2], found.lines[path.line, 1, :2] - found.lines[path.line, 0, :2]
+    ends = start[:, None] + path.span[:, :, None] * way[:, None]
+    instance = found.segments.instance[path.line]
+    return beside_others(ends, path.hidden_by > 0, instance, np.cumsum(begins) - 1, path.length) & (path.least > _LEAST)
+
+
+def _without_crowded(path: _Path, crowded: NDArray[np.bool_]) -> _Path:
+    """Leave out what runs beside other lines, (n,) bool, for longer than a gap, and what of it is left over between."""
+    crowded = _where_short(path, crowded, _GRAIN, ends=False)
+    return _chosen(path, _where_short(path, ~crowded, _TUFT, ends=True) | (path.hidden_by == 0))
+
+
+def _where_short(path: _Path, flag: NDArray[np.bool_], least: float, *, ends: bool) -> NDArray[np.bool_]:
+    """The flags without runs of them that are shorter than `least` pixels and go on into what has none: at both ends, or, with `ends`, at
+    one."""
+    begins = ~path.joined.copy()
+    begins[1:] |= flag[1:] != flag[:-1]
+    first = np.flatnonzero(begins)
+    run = np.cumsum(begins) - 1
+    length = np.add.reduceat(path.length, first)
+    before = path.joined[first]
+    after = np.append(before[1:], False)
+    short = flag[first] & (length < least) & ((before | after) if ends else (before & after))
+    return np.asarray(flag & ~short[run])
+
+
+def _chosen(path: _Path, kept: NDArray[np.bool_]) -> _Path:
+    joined = path.joined.copy()
+    joined[1:] &= kept[:-1]
+    return _Path(*(column[kept] for column in path._replace(joined=joined)))
 
 
 def _merged(path: _Path) -> _Path:
@@ -228,9 +285,7 @@ def _without_specks(found: Thrown, path: _Path) -> _Path:
     chain = np.bincount(path.chain, path.length)[path.chain]
     short = np.where(path.hidden_by > 0, length < _LEAST_DASH, chain < _LEAST_SEEN)
     kept = ~short | (path.least == _LEAST) | (chain > _SPECK * whole)
-    joined = path.joined.copy()
-    joined[1:] &= kept[:-1]
-    return _Path(*(column[kept] for column in path._replace(joined=joined)))
+    return _chosen(path, kept)
 
 
 # --- strokes --------------------------------------------------------------------------------------------------------------

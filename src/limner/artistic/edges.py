@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 from ..mesh.adjacency import Adjacency, adjacency_of_triangles
 from ..mesh.normals import inner, triangle_vectors
-from .creases import lasting
+from .creases import UNEVEN, lasting, unlike
 from .segments import ROUNDING, Segments
+from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
 
 __all__ = ["EdgeKinds", "Faces", "Wanted", "edge_kinds", "edge_segments", "faces_of"]
@@ -66,10 +67,13 @@ class EdgeKinds(NamedTuple):
         -1: no line that was asked for.
     sharp : (k,) bool
         Creases, asked for or not, and all edges at which not two triangles meet: there the surface is not smooth.
+    rough : (k,) bool
+        Creases beside which the surface turns, too, as one that is scanned does: its grain hides parts of them.
     """
 
     kind: Indices
     sharp: Flags
+    rough: Flags
 
 
 def faces_of(surfaces: Surfaces) -> Faces:
@@ -98,13 +102,17 @@ def _borrow(adjacency: Adjacency, sides: Floats, rows: Indices, sliver: Flags, n
         rows = rows[~known]
 
 
-def edge_segments(surfaces: Surfaces, faces: Faces, kinds: EdgeKinds, chosen: Flags) -> Segments:
+def edge_segments(surfaces: Surfaces, faces: Faces, kinds: EdgeKinds, chosen: Flags, sight: SightLines) -> Segments:
     """Those of the chosen edges, (k,), that are lines of a drawing."""
     found = np.flatnonzero((kinds.kind >= 0) & chosen)
     ends = surfaces.points[faces.adjacency.edges[found]]
     none = np.full((len(found), 2), -1, dtype=np.int64)
     slack, own = np.full(len(found), ROUNDING * surfaces.extent), np.zeros(len(found), dtype=np.int64)
-    return Segments(kinds.kind[found], ends, none, slack, own, surfaces.instance[_beside(faces.adjacency).one[found] // 3])
+    slack = np.where(kinds.rough[found], np.maximum(slack, sight.pixel_at(ends[:, 0])), slack)
+    beside = _beside(faces.adjacency).one[found].astype(np.int64) // 3
+    return Segments(
+        kinds.kind[found], ends, none, slack, own, surfaces.instance[beside], np.zeros(len(found), dtype=bool), beside
+    )
 
 
 class _Beside(NamedTuple):
@@ -131,7 +139,7 @@ def edge_kinds(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees:
     s, t = one // 3, other // 3
     paired = count == 2
     kind = np.full(len(count), -1, dtype=np.int64)
-    creased = _creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))
+    creased, surroundings = _creased(surfaces, faces, beside, math.cos(math.radians(crease_degrees)))
     # What comes later counts more.
     if wanted.uv_seam >= 0:
         kind[paired & _torn(surfaces, one, other, alike)] = wanted.uv_seam
@@ -142,18 +150,22 @@ def edge_kinds(surfaces: Surfaces, faces: Faces, wanted: Wanted, crease_degrees:
     if wanted.boundary >= 0:
         kind[count == 1] = wanted.boundary
     kind[~surfaces.bounded[s]] = -1
-    return EdgeKinds(kind, creased | ~paired)
+    return EdgeKinds(kind, creased | ~paired, paired & creased & (surroundings > UNEVEN))
 
 
-def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) -> Flags:
-    """Which edges turn by more than an angle, whose cosine is given, or have more than two triangles."""
+def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) -> tuple[Flags, Floats]:
+    """Which edges turn by more than an angle, whose cosine is given, or have more than two triangles; and by how much the surface turns
+    beside them."""
     one, other, count, alike = beside
     cosine = (faces.normals[one // 3] * faces.normals[other // 3]).sum(axis=1) * np.where(alike, 1.0, -1.0)
     paired = (count == 2) & (cosine < limit)
     exact = paired & surfaces.exact[one // 3]
     paired[exact] = _bent(surfaces, faces.adjacency, one[exact], other[exact], limit)
+    rough = paired & ~surfaces.exact[one // 3]
+    paired[rough] = unlike(faces.adjacency, faces.normals, _areas(surfaces), rough, limit)[rough]
     extents = _extents(surfaces)[surfaces.instance[one // 3]]
-    return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents)
+    surroundings = _turns_beside(faces, beside, np.where(count == 2, cosine, 1.0), paired | (count != 2))
+    return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents, surroundings), surroundings
 
 
 def _bent(surfaces: Surfaces, adjacency: Adjacency, one: NDArray[np.int32], other: NDArray[np.int32], limit: float) -> Flags:
@@ -164,6 +176,22 @@ def _bent(surfaces: Surfaces, adjacency: Adjacency, one: NDArray[np.int32], othe
     after, before = (np.where(k % 3 == 2, k - 2, k + 1) for k in (one, other))
     first, second = ((normals[p] * normals[q]).sum(axis=1) for p, q in ((one, before), (after, other)))
     return np.asarray((first < limit) | (second < limit))
+
+
+def _turns_beside(faces: Faces, beside: _Beside, cosine: Floats, lines: Flags) -> Floats:
+    """By how much the surface turns, on the mean, at the other edges of the triangles beside each edge, but for those that are lines."""
+    one, other, _, _ = beside
+    turn = np.where(lines, 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
+    edges = faces.adjacency.triangle_edges
+    turns = np.stack([turn[edges].sum(axis=1), (~lines)[edges].sum(axis=1)])
+    total, count = turns[:, one // 3] + turns[:, other // 3]
+    return np.asarray(total / np.maximum(count, 1.0))
+
+
+def _areas(surfaces: Surfaces) -> Floats:
+    """Twice those of the triangles."""
+    across = triangle_vectors(surfaces.points, surfaces.triangles)[3]
+    return np.asarray(np.sqrt(inner(across, across)))
 
 
 def _extents(surfaces: Surfaces) -> Floats:

@@ -74,7 +74,8 @@ def intersection_segments(surfaces: Surfaces, kind: int, on_progress: Callable[[
     pairs, ends = pairs[kept], ends[kept]
     m = len(pairs)
     return Segments(
-        np.full(m, kind), ends, pairs, np.full(m, slack), np.zeros(m, dtype=np.int64), surfaces.instance[pairs[:, 0]]
+        np.full(m, kind), ends, pairs, np.full(m, slack), np.zeros(m, dtype=np.int64), surfaces.instance[pairs[:, 0]],
+        np.zeros(m, dtype=bool), pairs[:, 0].astype(np.int64),
     )  # fmt: skip
 
 

@@ -28,9 +28,10 @@ from ..tiles import Cancel, Cancelled
 from .chain import Stroke, strokes_of
 from .contours import suggestive_contours
 from .doubles import without_doubles
-from .edges import Wanted, edge_kinds, edge_segments, faces_of
+from .edges import Faces, Wanted, edge_kinds, edge_segments, faces_of
 from .intersections import intersection_segments
 from .outlines import outlines
+from .relief import faint
 from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines, sight_lines
 from .stitches import StitchKinds, stitched
@@ -183,11 +184,15 @@ def drawing_of(
     surfaces = surfaces_of(scene, standing, width, height)
     report(0.1)
     sight = sight_lines(standing, width, height, surfaces.points)
-    found = without_doubles(thrown(_segments_of(surfaces, sight, numbers, crease_degrees, report), sight), sight)
+    faces = faces_of(surfaces)
+    found = without_doubles(thrown(_segments_of(surfaces, faces, sight, numbers, crease_degrees, report), sight), sight)
     report(0.5)
-    parts = parts_of(found, *hiding_triangles(surfaces, sight), sight, lambda done: report(0.5 + 0.4 * done))
+    triangles, source = hiding_triangles(surfaces, sight)
+    parts = parts_of(found, triangles, source, sight, lambda done: report(0.5 + 0.4 * done))
     silhouettes = np.isin(found.segments.kind, (numbers["silhouette"], numbers["smooth_silhouette"]))
-    strokes = strokes_of(found, parts, sight, silhouettes & (found.segments.slack > 2.0 * ROUNDING * surfaces.extent))
+    rough = silhouettes | (found.segments.kind == numbers["crease"])
+    smooth = rough & (found.segments.slack > 2.0 * ROUNDING * surfaces.extent)
+    strokes = strokes_of(found, parts, sight, smooth, faint(found, surfaces, faces, sight, triangles, source))
     lines = tuple(line for line in map(_line_of, strokes) if (hidden or line.hidden_by == 0) and not _is_hair(line))
     report(1.0)
     names = tuple(placed.path for placed, _ in scene.shapes())
@@ -205,11 +210,11 @@ def _numbers_of(kinds: Sequence[LineKind]) -> dict[LineKind, int]:
 
 
 def _segments_of(
-    surfaces: Surfaces, sight: SightLines, numbers: dict[LineKind, int], crease_degrees: float, report: Callable[[float], object]
-) -> Segments:
+    surfaces: Surfaces, faces: Faces, sight: SightLines, numbers: dict[LineKind, int], crease_degrees: float,
+    report: Callable[[float], object],
+) -> Segments:  # fmt: skip
     """All pieces of lines, whatever hides them."""
     wanted = Wanted(*(numbers[kind] for kind in ("boundary", "crease", "material", "uv_seam")))
-    faces = faces_of(surfaces)
     edges = edge_kinds(surfaces, faces, wanted, crease_degrees)
     report(0.25)
     where_solids_meet = StitchKinds(numbers["silhouette"], numbers["crease"], numbers["boundary"])
@@ -222,7 +227,7 @@ def _segments_of(
             rest = [] if not free.all() else [found.rest]
             parts += [found.segments, *rest]
             free &= found.free
-    parts.append(edge_segments(surfaces, faces, edges, free & ~replaced))
+    parts.append(edge_segments(surfaces, faces, edges, free & ~replaced, sight))
     if numbers["intersection"] >= 0:
         parts.append(intersection_segments(surfaces, numbers["intersection"], lambda done: report(0.25 + 0.15 * done)))
     if numbers["suggestive_contour"] >= 0:

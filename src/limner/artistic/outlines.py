@@ -24,8 +24,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .._door import Array, Door, Scalar
 from ..mesh.adjacency import Adjacency
 from .edges import EdgeKinds, Faces
+from .grain import without_grain
 from .segments import ROUNDING, Segments, joined
 from .sight_lines import SightLines
 from .surfaces import Surfaces, corner_normals
@@ -38,8 +40,21 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
 _EDGE_ON = 1e-4  # cosine between a normal and the ray to the eye: what rounding, to six digits or to float32, leaves of 0
+_NOISE = 0.05  # of the grain's angle: what more than that would be no longer at the outline
 _BENT = 2.0  # times longest side times turn of the normals: how far a mesh and its smooth surface are apart
 _VISIBLE = 1.0  # pixels between a triangle and the smooth surface that it stands for
+
+
+_face_eye = Door(
+    "limner.artistic.grain_kernel",
+    "face_eye",
+    (
+        Array(np.float64, 3), Array(np.float64, 2), Array(np.float64, 3), Array(np.float64, 2), Scalar(np.int64), Array(np.float64, 1),
+        Scalar(np.int64), Array(np.float64, 1), Scalar(np.float64), Scalar(np.float64), Array(np.float64, 1), Array(np.float64, 2),
+        Array(np.float64, 1),
+    ),
+    "what faces the eye",
+)  # fmt: skip
 
 
 class Outlines(NamedTuple):
@@ -61,47 +76,30 @@ class Outlines(NamedTuple):
 
 def outlines(surfaces: Surfaces, faces: Faces, sight: SightLines, kinds: EdgeKinds, kind: int, *, smooth: bool = False) -> Outlines:
     """Find silhouettes; `smooth`: as of smooth surfaces, however rough the mesh is."""
-    normals = corner_normals(surfaces, faces.adjacency, kinds.sharp)
-    corners = surfaces.points[surfaces.triangles]
-    if not smooth:
-        rough = _stands_out(surfaces, faces, sight, normals)
-        normals[rough] = faces.normals[rough, None]
-    towards = sight.towards(corners.reshape(-1, 3)).reshape(corners.shape)
-    values = (normals * towards).sum(axis=2) - _EDGE_ON * np.sqrt((towards * towards).sum(axis=2))
+    normals, noise = without_grain(surfaces, faces.adjacency, kinds.sharp, corner_normals(surfaces, faces.adjacency, kinds.sharp))
+    corners, m = surfaces.points[surfaces.triangles], len(surfaces.triangles)
+    values, apart = np.empty((m, 3)), np.empty(m)
+    eye = sight.eye if sight.perspective else sight.back
+    _face_eye(
+        corners, faces.normals, normals, noise, int(smooth), np.ascontiguousarray(eye), int(sight.perspective),
+        np.ascontiguousarray(sight.matrix[2]), max(sight.near, 1e-300), sight.pixels, np.array([_EDGE_ON, _NOISE, _VISIBLE, _BENT]), values,
+        apart,
+    )  # fmt: skip
     values[~surfaces.bounded] = 1.0
     ends, rows = zero_segments(surfaces, values)
     gradient, _ = gradients(corners[rows], values[rows])
     # Towards the eye n . e grows where the surface bends away, and falls where it hollows: there it hides its own silhouette.
     inwards = (gradient * sight.towards(ends.mean(axis=1))).sum(axis=1) < 0.0
-    within = segments_in(surfaces, kind, ends, rows, _apart(corners[rows], normals[rows]), inwards.astype(np.int64))
+    within = segments_in(surfaces, kind, ends, rows, apart[rows], inwards.astype(np.int64))
+    within = within._replace(soft=~surfaces.exact[rows])
     jumps = _jumps(surfaces, faces.adjacency, values)
-    return Outlines(joined([within, _along(surfaces, corners, normals, jumps, kind)]), *_others(surfaces, kinds, jumps))
+    return Outlines(joined([within, _along(surfaces, apart, jumps, kinds, kind)]), *_others(surfaces, kinds, jumps))
 
 
 def towards_eye(sight: SightLines, points: Floats, normals: Floats) -> Flags:
     """Whether surfaces face the eye at points, (k, 3), with unit normals, (k, 3)."""
     towards = sight.towards(points)
     return np.asarray((normals * towards).sum(axis=1) > _EDGE_ON * np.sqrt((towards * towards).sum(axis=1)))
-
-
-def _stands_out(surfaces: Surfaces, faces: Faces, sight: SightLines, normals: Floats) -> Flags:
-    """Which triangles one can tell from the smooth surface that they stand for: an arc that turns by a over a chord s is a s / 8 away,
-    and its ends turn by a / 2 from the chord."""
-    corners = surfaces.points[surfaces.triangles]
-    turn = np.linalg.norm(normals - faces.normals[:, None], axis=2).max(axis=1, initial=0.0)
-    against = ((normals * faces.normals[:, None]).sum(axis=2) <= 0.0).any(axis=1)
-    pixels = sight.pixels / np.maximum(sight.depths(corners[:, 0]), max(sight.near, 1e-300)) if sight.perspective else sight.pixels
-    return np.asarray(against | (0.25 * turn * _longest(corners) * pixels > _VISIBLE))
-
-
-def _apart(corners: Floats, normals: Floats) -> Floats:
-    """How far triangles and the smooth surface that they stand for may be apart, (k,) metres."""
-    bent = np.linalg.norm(normals - np.roll(normals, 1, axis=1), axis=2).max(axis=1, initial=0.0)
-    return np.asarray(_BENT * _longest(corners) * bent)
-
-
-def _longest(corners: Floats) -> Floats:
-    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1, initial=0.0))
 
 
 # --- along edges ----------------------------------------------------------------------------------------------------------
@@ -160,15 +158,14 @@ def _zero(f: Floats) -> Floats:
     return np.asarray(np.where(mixed, f[0] / np.where(mixed, f[0] - f[1], 1.0), 1.0))
 
 
-def _along(surfaces: Surfaces, corners: Floats, normals: Floats, jumps: _Jumps, kind: int) -> Segments:
+def _along(surfaces: Surfaces, apart: Floats, jumps: _Jumps, kinds: EdgeKinds, kind: int) -> Segments:
     """The parts of edges that are silhouettes; what hides them where both sides are as flat as they look follows from the numbers."""
     row = np.flatnonzero(jumps.parted)
     one, other = jumps.one[row], jumps.other[row]
-    slack = np.maximum(_apart(corners[one], normals[one]), _apart(corners[other], normals[other]))
+    slack = np.maximum(apart[one], apart[other])
     made = segments_in(surfaces, kind, jumps.ends[row], one, slack, np.zeros(len(row), dtype=np.int64))
-    flat = slack == 0.0
-    made.triangles[:] = np.where(flat[:, None], -1, np.stack([one, other], axis=1))
-    return made
+    made.triangles[:] = np.where((slack == 0.0)[:, None], -1, np.stack([one, other], axis=1))
+    return made._replace(soft=~kinds.sharp[jumps.edge[row]] & ~surfaces.exact[one], beside=one)
 
 
 def _others(surfaces: Surfaces, kinds: EdgeKinds, jumps: _Jumps) -> tuple[Flags, Segments]:
@@ -178,5 +175,6 @@ def _others(surfaces: Surfaces, kinds: EdgeKinds, jumps: _Jumps) -> tuple[Flags,
     n, triangles = len(row), np.stack([jumps.one[row], jumps.other[row]], axis=1)
     slack = np.full(n, ROUNDING * surfaces.extent)
     return free, Segments(
-        kinds.kind[jumps.edge[row]], jumps.ends[row], triangles, slack, np.zeros(n, dtype=np.int64), surfaces.instance[triangles[:, 0]]
-    )
+        kinds.kind[jumps.edge[row]], jumps.ends[row], triangles, slack, np.zeros(n, dtype=np.int64), surfaces.instance[triangles[:, 0]],
+        np.zeros(n, dtype=bool), triangles[:, 0].copy(),
+    )  # fmt: skip

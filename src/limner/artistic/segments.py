@@ -33,6 +33,10 @@ class Segments(NamedTuple):
     hidden : (k,) int64
         By how many surfaces it is hidden for reasons of its own.
     instance : (k,) int64
+    soft : (k,) bool
+        Silhouettes of a mesh where it is smooth, or rough: there is a line only if the surface beyond them lies farther behind.
+    beside : (k,) int64
+        A triangle that each lies on; -1: none is known.
     """
 
     kind: Indices
@@ -41,6 +45,8 @@ class Segments(NamedTuple):
     slack: Floats
     hidden: Indices
     instance: Indices
+    soft: NDArray[np.bool_]
+    beside: Indices
 
     def where(self, chosen: NDArray[np.bool_] | Indices) -> Segments:
         """Some of the pieces."""
@@ -51,13 +57,15 @@ class Segments(NamedTuple):
             self.slack[chosen],
             self.hidden[chosen],
             self.instance[chosen],
+            self.soft[chosen],
+            self.beside[chosen],
         )
 
 
 def no_segments() -> Segments:
     """No pieces at all."""
     none = np.zeros(0, dtype=np.int64)
-    return Segments(none, np.zeros((0, 2, 3)), np.zeros((0, 2), dtype=np.int64), np.zeros(0), none, none)
+    return Segments(none, np.zeros((0, 2, 3)), np.zeros((0, 2), dtype=np.int64), np.zeros(0), none, none, np.zeros(0, dtype=bool), none)
 
 
 def joined(parts: Sequence[Segments]) -> Segments:
@@ -71,4 +79,6 @@ def joined(parts: Sequence[Segments]) -> Segments:
         np.concatenate([part.slack for part in parts]),
         np.concatenate([part.hidden for part in parts]),
         np.concatenate([part.instance for part in parts]),
+        np.concatenate([part.soft for part in parts]),
+        np.concatenate([part.beside for part in parts]),
     )

@@ -65,6 +65,12 @@ class SightLines(NamedTuple):
         # Term by term, and not as a product of matrices, whose rounding depends on how many points there are.
         return -(points[..., 0] * m[2, 0] + points[..., 1] * m[2, 1] + points[..., 2] * m[2, 2] + m[2, 3])
 
+    def pixel_at(self, points: Floats) -> Floats:
+        """What a pixel measures at points, (n, 3), across the gaze, metres."""
+        if not self.perspective:
+            return np.full(points.shape[:-1], 1.0 / self.pixels)
+        return np.asarray(np.maximum(self.depths(points), max(self.near, 1e-300)) / self.pixels)
+
     def project(self, points: Floats) -> Floats:
         """(..., 3) float64: x, y and q of points that lie before the near plane; equal points get equal bits."""
         m, x, y, z = self.matrix, points[..., 0], points[..., 1], points[..., 2]

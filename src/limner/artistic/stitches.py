@@ -88,7 +88,7 @@ def stitched(
     own = np.stack([ends.triangle[row], np.full(len(row), -1)], axis=1)
     return Segments(
         kind, made, own, 2.0 * slack[row] + ROUNDING * surfaces.extent, np.zeros(len(row), dtype=np.int64),
-        surfaces.instance[ends.triangle[row]],
+        surfaces.instance[ends.triangle[row]], np.zeros(len(row), dtype=bool), ends.triangle[row],
     ), replaced  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from ..scene.shape import Plane, Shape
 from ..tables.relief import Reliefs
 from ..tables.stand_ins import Sight, StandIns, inverse, tessellation
 
-__all__ = ["Surfaces", "corner_normals", "surfaces_of"]
+__all__ = ["Surfaces", "corner_normals", "smooth_groups", "surfaces_of"]
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -163,20 +163,24 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
         triangles = surfaces.triangles[rows]
         kept = _kept(mesh, len(triangles))
         if mesh.normals is None or kept is None:
-            groups = _smooth_groups(adjacency, sharp) if groups is None else groups
+            groups = smooth_groups(adjacency, sharp) if groups is None else groups
             _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
             local = local.reshape(-1, 3)
-            made[rows] = vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local)[local]
+            made[rows] = _unit(vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local))[local]
             continue
         corners = (mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles)[kept]
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             corners = corners[:, ::-1]
-        made[rows] = (mesh.normals @ normal_matrix(matrix).T)[corners]
-    length = np.linalg.norm(made, axis=2, keepdims=True)
-    return made / np.where(length > 0.0, length, 1.0)
+        made[rows] = _unit(mesh.normals @ normal_matrix(matrix).T)[corners]
+    return made
 
 
-def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
+def _unit(vectors: Floats) -> Floats:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
+
+
+def smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
     """(m, 3): numbers of corners, one for those in one place between which no sharp edge lies."""
     vertex = adjacency.triangles.reshape(-1).astype(np.int64)
     split = np.zeros(adjacency.n_vertices, dtype=bool)
@@ -196,7 +200,7 @@ def _smooth_groups(adjacency: Adjacency, sharp: NDArray[np.bool_]) -> Indices:
     label = component_labels(len(picked), a[a >= 0], b[a >= 0])
     made = vertex.copy()
     made[picked] = adjacency.n_vertices + label
-    return made.reshape(-1, 3)
+    return np.ascontiguousarray(made.reshape(-1, 3))
 
 
 def _kept(mesh: Mesh, n_triangles: int) -> NDArray[np.bool_] | None:

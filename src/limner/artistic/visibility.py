@@ -37,7 +37,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _AT_ONCE = 1 << 18  # triangles between two looks at whether to go on
-_LEAST_CELL, _MOST_CELLS = 4.0, 256  # pixels; along each side of the picture
+_LEAST_CELL, _MOST_CELL, _MOST_CELLS = 4.0, 16.0, 256  # pixels; along each side of the picture
 _TINY = 1e-6  # pixels: parts that rounding leaves between intervals which fall together
 
 _find_hidden = Door(
@@ -186,11 +186,12 @@ def parts_of(
 
 
 def grid_of(found: Thrown, width: int, height: int) -> Grid:
-    """Sort pieces of lines into cells of a picture."""
-    size = max(_LEAST_CELL, max(width, height) / _MOST_CELLS)
-    columns, rows = int(np.ceil(width / size)), int(np.ceil(height / size))
+    """Sort pieces of lines into cells of a picture, which are about as large as the lines are long."""
     n = len(found.lines)
     start, way = found.lines[:, 0], found.lines[:, 1] - found.lines[:, 0]
+    mean = float(np.hypot(way[:, 0], way[:, 1]).mean()) if n else 0.0
+    size = max(_LEAST_CELL, max(width, height) / _MOST_CELLS, min(mean, _MOST_CELL))
+    columns, rows = int(np.ceil(width / size)), int(np.ceil(height / size))
     at = start[:, None, :2] + found.inside[:, :, None] * way[:, None, :2]
     line_parts, t_parts = [np.repeat(np.arange(n), 2)], [found.inside.reshape(-1)]
     for axis in (0, 1):

@@ -52,7 +52,8 @@ def on(p: Floats, q: Floats, t: Floats) -> Floats:
 def segments_in(surfaces: Surfaces, kind: int, ends: Floats, rows: Indices, slack: Floats, hidden: Indices) -> Segments:
     """Lines in triangles `rows`, (k,), which do not hide them, nor does what is in front by less than `slack`, (k,) metres."""
     own = np.stack([rows, np.full(len(rows), -1)], axis=1)
-    return Segments(np.full(len(rows), kind), ends, own, slack + ROUNDING * surfaces.extent, hidden, surfaces.instance[rows])
+    soft = np.zeros(len(rows), dtype=bool)
+    return Segments(np.full(len(rows), kind), ends, own, slack + ROUNDING * surfaces.extent, hidden, surfaces.instance[rows], soft, rows)
 
 
 def gradients(corners: Floats, values: Floats) -> tuple[Floats, Floats]:

@@ -12,22 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
-from ..tables import layouts
 from ..tiles import run_all
-from .layouts import ACCELERATOR_ARRAYS, BUNDLE_INTEGERS, BUNDLE_NUMBERS, STACK_SIZE, Accelerator
+from .layouts import ACCELERATOR_ARRAYS, BLOCK, BLOCK_INTEGERS, BLOCK_NUMBERS, BLOCK_PLACES, WAITING, Accelerator
 
 __all__ = ["any_hits", "nearest_hits", "refit"]
 
 CHUNK = 8192  # rays of one piece of work: some milliseconds
 
-_RAYS = (Array(layouts.INSTANCE, 1), Array(np.float64, 1), Array(np.float64, 2), Array(np.float64, 2), Array(np.float64, 1))
-_SCRATCH = (Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float64, 1))
+_TREE = ACCELERATOR_ARRAYS[:3]
+_RAYS = (Array(np.float64, 1), Array(np.float64, 2), Array(np.float64, 2), Array(np.float64, 1))
+_SCRATCH = (Array(np.float32, 1), Array(np.int32, 1), Array(np.float64, 1), Array(np.int64, 1), Array(np.int32, 1))
 
 _INTERSECT = Door(
     "limner.accel.batch_kernel",
     "intersect_batch",
     (
-        *ACCELERATOR_ARRAYS, *_RAYS, Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 2), Scalar(np.int64), *_SCRATCH,
+        *_TREE, *_RAYS, Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 2), Scalar(np.int64), *_SCRATCH,
     ),
     "the ray caster",
 )  # fmt: skip
@@ -35,7 +35,7 @@ _INTERSECT = Door(
 _OCCLUDED = Door(
     "limner.accel.batch_kernel",
     "occluded_batch",
-    (*ACCELERATOR_ARRAYS, *_RAYS, Array(np.uint8, 1), Scalar(np.int64), *_SCRATCH),
+    (*_TREE, *_RAYS, Array(np.uint8, 1), Scalar(np.int64), *_SCRATCH),
     "the ray caster's shadows",
 )
 
@@ -105,7 +105,7 @@ def _run(
 ) -> None:
     def trace(first: int) -> None:
         piece = [np.ascontiguousarray(part[first : first + CHUNK], dtype=np.float64) for part in rays]
-        door(*accelerator, _NO_INSTANCES, frame, *piece, *results, first, *_scratch())
+        door(*accelerator[:3], frame, *piece, *results, first, *_scratch())
 
     door.open()
     run_all(trace, range(0, len(rays[0]), CHUNK), threads)
@@ -119,11 +119,8 @@ def refit(accelerator: Accelerator, numbers: NDArray[np.int32], n_triangles: int
 
 
 def _scratch() -> tuple[NDArray[Any], ...]:
-    """What waits during a walk, and a bundle of eight rays."""
+    """A block of rays, and what waits while they are followed."""
     return (
-        np.empty(STACK_SIZE, dtype=np.int32), np.empty(BUNDLE_NUMBERS, dtype=np.float32), np.empty(BUNDLE_INTEGERS, dtype=np.int32),
-        np.empty(16),
+        np.empty(BLOCK_NUMBERS, dtype=np.float32), np.empty(BLOCK_INTEGERS, dtype=np.int32), np.empty(BLOCK_PLACES),
+        np.empty(4 * BLOCK, dtype=np.int64), np.empty(2 * BLOCK * WAITING, dtype=np.int32),
     )  # fmt: skip
-
-
-_NO_INSTANCES = np.zeros(0, dtype=layouts.INSTANCE)

@@ -13,67 +13,43 @@ import numpy as np
 
 from .._jit import kernel
 from ..intersect.box import meet_box, moved_on
-from ..intersect.triangle import TurnedRay, turned_ray
 from ..kernel.elementary import as_float, as_int
 from ..kernel.lanes import first_set, highest, lane, load8, lowest, mask_of, max, min
-from ..kernel.vec import ONE, ZERO, Vec3
-from .layouts import LINKS, NODE_WORDS
-from .walk import Hit, edges_of, pack_hit, slack_of
+from ..kernel.vec import ZERO, Vec3
+from .layouts import BLOCK, LINKS, NODE_WORDS
+from .ray_block import DIRECTION, HIT_T, INVERSE, ORIGIN, SLACK, three, try_pack
+from .walk import edges_of
 
-__all__ = ["HIT_T", "HIT_TRIANGLE", "HIT_U", "HIT_V", "is_bundle", "meet_bundle", "put_ray"]
+__all__ = ["is_bundle", "meet_bundle"]
 
 f32 = np.float32
 _MISS = f32(np.inf)
 
-# Rows of eight, one number of each ray: the ray, the ray as triangles want it, and the best hit so far.
-_O, _D, _INVERSE, _TURNED, HIT_T, HIT_U, HIT_V = 0, 24, 48, 72, 120, 128, 136
-_AXES, HIT_TRIANGLE = 0, 24
 _WIDEST, _FARTHEST = f32(0.05), f32(0.02)  # of a bundle: its directions, its origins as a share of what is looked at
 
 
 @kernel
-def put_ray(numbers, integers, k: int, o: Vec3, d: Vec3, t_max: np.float32):
-    """Write ray k of a bundle."""
-    ray = turned_ray(o, d)
-    numbers[_O + k], numbers[_O + 8 + k], numbers[_O + 16 + k] = o.x, o.y, o.z
-    numbers[_D + k], numbers[_D + 8 + k], numbers[_D + 16 + k] = d.x, d.y, d.z
-    numbers[_INVERSE + k], numbers[_INVERSE + 8 + k], numbers[_INVERSE + 16 + k] = ONE / d.x, ONE / d.y, ONE / d.z
-    numbers[_TURNED + k], numbers[_TURNED + 8 + k], numbers[_TURNED + 16 + k] = ray.sx, ray.sy, ray.sz
-    numbers[_TURNED + 24 + k], numbers[_TURNED + 32 + k], numbers[_TURNED + 40 + k] = ray.ox, ray.oy, ray.oz
-    integers[_AXES + k], integers[_AXES + 8 + k], integers[_AXES + 16 + k] = ray.kx, ray.ky, ray.kz
-    numbers[HIT_T + k], integers[HIT_TRIANGLE + k] = t_max, -1
+def is_bundle(numbers, column: int, size: np.float32) -> bool:
+    """Whether the eight rays from a column on keep together: origins near each other, for a mesh of a size, directions too.
 
-
-@kernel
-def _turned(numbers, integers, k: int) -> TurnedRay:
-    """Ray k as triangles want it."""
-    kx, ky, kz = integers[_AXES + k], integers[_AXES + 8 + k], integers[_AXES + 16 + k]
-    sx, sy, sz = numbers[_TURNED + k], numbers[_TURNED + 8 + k], numbers[_TURNED + 16 + k]
-    ox, oy, oz = numbers[_TURNED + 24 + k], numbers[_TURNED + 32 + k], numbers[_TURNED + 40 + k]
-    return TurnedRay(np.int64(kx), np.int64(ky), np.int64(kz), sx, sy, sz, ox, oy, oz)
-
-
-@kernel
-def is_bundle(numbers, size: np.float32) -> bool:
-    """Whether the eight rays keep together: origins near each other, for a mesh of a size, directions too, none along a slab."""
-    widest = ZERO
+    None of them goes along a slab, and all have something to look for.
+    """
+    widest, length = ZERO, ZERO
+    if not lowest(load8(numbers, HIT_T + column)) > ZERO:
+        return False
     for axis in range(3):
-        o, d = load8(numbers, _O + 8 * axis), load8(numbers, _D + 8 * axis)
+        place = BLOCK * axis + column
+        o, d = load8(numbers, ORIGIN + place), load8(numbers, DIRECTION + place)
         low, high = lowest(d), highest(d)
         # An axis that some rays go up and others down has no near side.
         if not (low > ZERO or high < ZERO) or not highest(o) - lowest(o) <= _FARTHEST * size:
             return False
         widest = max(widest, high - low)
-        inverse = load8(numbers, _INVERSE + 8 * axis)
+        inverse = load8(numbers, INVERSE + place)
         if not (lowest(inverse) > -_MISS and highest(inverse) < _MISS):
             return False
-    length = max(max(abs(numbers[_D]), abs(numbers[_D + 8])), abs(numbers[_D + 16]))
+        length = max(length, abs(numbers[DIRECTION + place]))
     return widest <= _WIDEST * length
-
-
-@kernel
-def _three(numbers, row: int) -> Vec3:
-    return Vec3(load8(numbers, row), load8(numbers, row + 8), load8(numbers, row + 16))
 
 
 @kernel
@@ -93,17 +69,12 @@ def _pushed(place: int, enter, entered, stack, top: int) -> int:
 
 
 @kernel
-def _try_pack(packs, tags, pack: int, numbers, integers, active, any_hit):
+def _try_pack(packs, tags, pack: int, numbers, integers, column: int, active, any_hit):
     """Let the rays of a mask try the triangles of a pack."""
     while active != 0:
-        k = np.int64(first_set(active))
+        ray = column + np.int64(first_set(active))
         active = active & (active - 1)
-        best = Hit(numbers[HIT_T + k], -1, -1, ZERO, ZERO)
-        hit = pack_hit(packs, tags, pack, _turned(numbers, integers, k), 0, ZERO, best, True, False)
-        if hit.instance >= 0:
-            numbers[HIT_U + k], numbers[HIT_V + k], integers[HIT_TRIANGLE + k] = hit.u, hit.v, hit.triangle
-            # Who needs no more than one hit meets nothing from here on.
-            numbers[HIT_T + k] = -ONE if any_hit else hit.t
+        try_pack(packs, tags, pack, numbers, integers, ray, any_hit)
 
 
 @kernel
@@ -118,16 +89,13 @@ def _last_bound(edge, o: np.float32, low: np.float32, high: np.float32):
 
 
 @kernel
-def meet_bundle(accelerator, numbers, integers, stack, any_hit):
-    """Find the nearest hit of each of the eight rays, or any, in a tree of triangles alone that has nodes.
+def meet_bundle(nodes, packs, tags, numbers, integers, column: int, stack, any_hit):
+    """Find the nearest hit of each of the eight rays from a column on, or any, in a tree of triangles alone that has nodes.
 
     HIT_T then is below 0 where any hit was asked for, and found.
     """
-    nodes, packs, tags, _, _, _ = accelerator
-    o, inverse = _three(numbers, _O), _three(numbers, _INVERSE)
-    slack = ZERO
-    for k in range(8):
-        slack = max(slack, slack_of(nodes, 0, _turned(numbers, integers, k)))
+    o, inverse = three(numbers, ORIGIN + column), three(numbers, INVERSE + column)
+    slack = highest(load8(numbers, SLACK + column))
     lowest_o, highest_o = Vec3(lowest(o.x), lowest(o.y), lowest(o.z)), Vec3(highest(o.x), highest(o.y), highest(o.z))
     low = Vec3(lowest(inverse.x), lowest(inverse.y), lowest(inverse.z))
     high = Vec3(highest(inverse.x), highest(inverse.y), highest(inverse.z))
@@ -135,7 +103,7 @@ def meet_bundle(accelerator, numbers, integers, stack, any_hit):
     near_x, near_y, near_z = 24 if back_x else 0, 32 if back_y else 8, 40 if back_z else 16
     ahead = Vec3(lowest_o.x if back_x else highest_o.x, lowest_o.y if back_y else highest_o.y, lowest_o.z if back_z else highest_o.z)
     behind = Vec3(highest_o.x if back_x else lowest_o.x, highest_o.y if back_y else lowest_o.y, highest_o.z if back_z else lowest_o.z)
-    farthest = highest(load8(numbers, HIT_T))
+    farthest = highest(load8(numbers, HIT_T + column))
     current, top = 0, 0
     while True:
         place = NODE_WORDS * current
@@ -159,7 +127,7 @@ def meet_bundle(accelerator, numbers, integers, stack, any_hit):
             place = NODE_WORDS * (child >> 3) + (child & 7)
             box_near = Vec3(as_float(nodes[place + near_x]), as_float(nodes[place + near_y]), as_float(nodes[place + near_z]))
             box_far = Vec3(as_float(nodes[place + 24 - near_x]), as_float(nodes[place + 40 - near_y]), as_float(nodes[place + 56 - near_z]))
-            begin, end = meet_box(box_near, box_far, o, inverse, ZERO, load8(numbers, HIT_T), slack)
+            begin, end = meet_box(box_near, box_far, o, inverse, ZERO, load8(numbers, HIT_T + column), slack)
             active = mask_of(begin <= end)
             if active == 0:
                 continue
@@ -167,7 +135,7 @@ def meet_bundle(accelerator, numbers, integers, stack, any_hit):
             if link >= 0:
                 current = link
             else:
-                _try_pack(packs, tags, (-1 - link) >> 1, numbers, integers, active, any_hit)
-                farthest = highest(load8(numbers, HIT_T))
+                _try_pack(packs, tags, (-1 - link) >> 1, numbers, integers, column, active, any_hit)
+                farthest = highest(load8(numbers, HIT_T + column))
                 if any_hit and farthest < ZERO:
                     return

@@ -30,9 +30,9 @@ import numpy as np
 from .._jit import MODE
 
 __all__ = [
-    "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set",
-    "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of", "max",
-    "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float",
+    "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "compressed", "count_set", "double", "f32x8", "f64x8",
+    "first_set", "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of",
+    "max", "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float",
     "to_int", "where", "with_lane",
 ]  # fmt: skip
 
@@ -198,6 +198,7 @@ if MODE == "compiled":
     from ._lane_choice import (
         all_of,
         any_of,
+        compressed,
         count_set,
         first_set,
         lane,
@@ -247,6 +248,10 @@ else:
         if not isinstance(like, _Lanes) or isinstance(value, _Lanes):
             return value
         return _kind_of(value)(np.full(8, value))
+
+    def compressed(v: Any, condition: bool8) -> Any:
+        """The lanes of float32 or int32 where the condition holds, moved together to the front; what is behind them may be anything."""
+        return v._with(np.concatenate([v.values[condition.values], v.values[~condition.values]]))
 
     def any_of(condition: Any) -> bool:
         """Whether a condition holds for the one, or for any of eight."""
@@ -306,8 +311,11 @@ else:
         """Write (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
         array[row : row + 8] = np.stack([a.values, b.values, c.values, d.values], axis=1)
 
-    def put(array: np.ndarray, index: i32x8, v: Any) -> None:
-        """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
+    def put(array: np.ndarray, index: Any, v: Any) -> None:
+        """Write a number, or eight lanes, to a place, or eight, of a contiguous 1D array; of two in one place the higher lane stays."""
+        if not isinstance(index, _Lanes):
+            array[index] = v
+            return
         for place, value in zip(index.values, v.values, strict=True):
             array[place] = value
 

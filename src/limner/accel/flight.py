@@ -30,7 +30,7 @@ from ..kernel.lanes import (
     with_lane,
 )
 from ..kernel.vec import ZERO, Vec3
-from .layouts import BLOCK, LINKS, NODE_WORDS, PACK_WORDS, WAITING
+from .layouts import BLOCK, ENTRIES, LINKS, NODE_WORDS, PACK_WORDS, WAITING
 from .ray_block import END, FIRST_EDGES, HIT_T, slabs_in, try_pack
 from .walk import edges_of
 
@@ -38,7 +38,6 @@ __all__ = ["follow_rays"]
 
 _DONE = -(1 << 31)  # the link below all others on a ray's stack
 _LARGEST = (1 << 31) - 1
-_LINKS, _ENTRIES = 0, BLOCK * WAITING  # what waits: links, and the bits of where the ray enters
 _AT_NODES, _AT_PACKS, _LINK, _TOP = 0, BLOCK, 2 * BLOCK, 3 * BLOCK  # what is known of a flight: lists of rays, link and top of each
 _BELOW_ALL = int(np.float32(-np.inf).view(np.int32))
 
@@ -66,10 +65,10 @@ def _pushed(nodes, node: int, numbers, integers, ray: int, stack, top: int) -> i
     mask = mask_of(entered)
     rest = mask & ~(np.int32(1) << np.int32(nearest & 7))
     others, n = lanes_of(rest), top + np.int64(count_set(rest))
-    store8(stack, _LINKS + top, compressed(load8(nodes, place + LINKS), others))
-    store8(stack, _ENTRIES + top, compressed(entries, others))
-    put(stack, _LINKS + n, at(nodes, place + LINKS + (nearest & 7)))
-    put(stack, _ENTRIES + n, nearest)
+    store8(stack, top, compressed(load8(nodes, place + LINKS), others))
+    store8(stack, ENTRIES + top, compressed(entries, others))
+    put(stack, n, at(nodes, place + LINKS + (nearest & 7)))
+    put(stack, ENTRIES + n, nearest)
     return top + np.int64(count_set(mask))
 
 
@@ -78,9 +77,9 @@ def _go_on(nodes, packs, numbers, ray: int, flight, stack, top: int) -> int:
     """Take what is uppermost on a ray's stack and near enough, and ask for it. Returns its link."""
     end = at(numbers, END + ray)
     top -= 1
-    while as_float(at(stack, _ENTRIES + top)) > end:
+    while as_float(at(stack, ENTRIES + top)) > end:
         top -= 1
-    link = np.int64(at(stack, _LINKS + top))
+    link = np.int64(at(stack, top))
     put(flight, _LINK + ray, link)
     put(flight, _TOP + ray, top)
     node, pack = where(link >= 0, link, 0), where((link < 0) & (link != _DONE), (-1 - link) >> 1, 0)
@@ -95,12 +94,12 @@ def _go_on(nodes, packs, numbers, ray: int, flight, stack, top: int) -> int:
 def follow_rays(nodes, packs, tags, numbers, integers, first: int, end: int, flight, stack, any_hit):
     """Find the nearest hit, or any, of the rays `first` to `end` - 1 of a block, in a tree of triangles alone.
 
-    HIT_T then is below 0 where any hit was asked for, and found. Scratch: `flight` (4 BLOCK,) int64, `stack` (2 BLOCK WAITING,) int32.
+    HIT_T then is below 0 where any hit was asked for, and found. Scratch: `flight` (4 BLOCK,) int64, `stack` (STACKS,) int32.
     """
     n_nodes, n_packs = 0, 0
     for ray in range(first, end):
         bottom = WAITING * ray
-        stack[_LINKS + bottom], stack[_ENTRIES + bottom] = _DONE, _BELOW_ALL
+        stack[bottom], stack[ENTRIES + bottom] = _DONE, _BELOW_ALL
         flight[_LINK + ray], flight[_TOP + ray] = 0, bottom + 1
         flight[_AT_NODES + n_nodes] = ray
         n_nodes += 1 if numbers[HIT_T + ray] > ZERO else 0

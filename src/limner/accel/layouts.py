@@ -11,9 +11,9 @@ from .._door import Array
 from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
 __all__ = [
-    "ACCELERATOR_ARRAYS", "BLOCK", "BLOCK_INTEGERS", "BLOCK_NUMBERS", "BLOCK_PLACES", "CORNERS", "ENDS_SHAPE", "FIRST_TREE", "LINKS",
-    "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACK_SIZE",
-    "TAG_WORDS", "TREE_LINK", "WAITING", "Accelerator",
+    "ACCELERATOR_ARRAYS", "BLOCK", "BLOCK_INTEGERS", "BLOCK_NUMBERS", "BLOCK_PLACES", "CORNERS", "ENDS_SHAPE", "ENTRIES", "FIRST_TREE",
+    "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACKS",
+    "STACK_SIZE", "TAG_WORDS", "TREE_LINK", "WAITING", "Accelerator",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -59,6 +59,12 @@ BLOCK_NUMBERS, BLOCK_INTEGERS, BLOCK_PLACES = 26 * BLOCK, 7 * BLOCK, 2 * BLOCK
 
 WAITING = 7 * MAX_DEPTH + 16
 """Room for what waits while one of them is followed, and for eight more."""
+
+ENTRIES = BLOCK * WAITING + 528
+"""Where the words begin that say where the ray enters, behind the links; not whole pages away, which the processor takes for one place."""
+
+STACKS = ENTRIES + BLOCK * WAITING
+"""Room for all that waits while a block is followed, int32."""
 
 ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
 """Shape of the float64 scratch in which a walk counts where a ray is inside the leaves of a combination of solids."""

@@ -12,7 +12,7 @@ from .._jit import kernel
 from ..intersect.box import Slabs, moved_on, slabs_of
 from ..intersect.triangle import TurnedRay, turned_ray
 from ..kernel.elementary import as_float
-from ..kernel.lanes import at, load8, mask_of, max, put, splat8, splat8_int, store8, where
+from ..kernel.lanes import at, load8, mask_of, max, put, splat8, splat8_int, store8, three_columns, where
 from ..kernel.vec import ONE, ZERO, Vec3
 from .layouts import BLOCK, CORNERS
 from .near_ray import LONGEST, SHORTEST, near_ray
@@ -72,11 +72,10 @@ def _turned_in(numbers, integers, ray: int) -> TurnedRay:
 
 
 @kernel
-def _are_near(numbers, column: int, frame) -> bool:
+def _are_near(o: Vec3, d: Vec3, frame) -> bool:
     """Whether eight rays can be followed as they are given: nothing about them is far away, extreme, or no number."""
     if frame[3] != f64(1.0) or frame[0] != f64(0.0) or frame[1] != f64(0.0) or frame[2] != f64(0.0):
         return False
-    o, d = three(numbers, ORIGIN + column), three(numbers, DIRECTION + column)
     x, y, z = o.x - f32(frame[4]), o.y - f32(frame[5]), o.z - f32(frame[6])
     dx, dy, dz = abs(d.x), abs(d.y), abs(d.z)
     # Written so that a NaN is not near.
@@ -85,24 +84,27 @@ def _are_near(numbers, column: int, frame) -> bool:
 
 
 @kernel
-def _gather(numbers, places, column: int, origins, directions, t_max, first: int, frame):
-    """Write where eight rays begin, where they go and how far."""
-    n = origins.shape[0]
-    for i in range(8):
-        k, ray = min(first + i, n - 1), column + i
-        for axis in range(3):
-            numbers[ORIGIN + BLOCK * axis + ray], numbers[DIRECTION + BLOCK * axis + ray] = f32(origins[k, axis]), f32(directions[k, axis])
-        numbers[HIT_T + ray] = f32(t_max[k])
-        places[ray], places[BLOCK + ray] = f64(0.0), f64(1.0)
-    if _are_near(numbers, column, frame):
-        return
+def _gather(numbers, places, column: int, origins, directions, t_max, first: int, frame) -> bool:
+    """Write where eight rays begin, where they go and how far. Returns whether they are followed as they are given."""
+    n, many = origins.shape[0], t_max.shape[0] > 1
+    if first + 8 <= n:
+        x, y, z = three_columns(origins, first)
+        dx, dy, dz = three_columns(directions, first)
+        _put_three(numbers, ORIGIN + column, x, y, z)
+        _put_three(numbers, DIRECTION + column, dx, dy, dz)
+        if _are_near(Vec3(x, y, z), Vec3(dx, dy, dz), frame):
+            for i in range(8):
+                numbers[HIT_T + column + i] = f32(t_max[first + i if many else 0])
+            return True
     for i in range(8):
         k, ray = min(first + i, n - 1), column + i
         near = near_ray(origins, directions, k, frame)
         numbers[ORIGIN + ray], numbers[ORIGIN + BLOCK + ray], numbers[ORIGIN + 2 * BLOCK + ray] = near.o.x, near.o.y, near.o.z
         numbers[DIRECTION + ray], numbers[DIRECTION + BLOCK + ray], numbers[DIRECTION + 2 * BLOCK + ray] = near.d.x, near.d.y, near.d.z
-        numbers[HIT_T + ray] = f32(t_max[k] * near.length - near.start) if near.sound else -ONE
+        is_sound = near.sound and first + i < n
+        numbers[HIT_T + ray] = f32(t_max[k if many else 0] * near.length - near.start) if is_sound else -ONE
         places[ray], places[BLOCK + ray] = near.start, near.length
+    return False
 
 
 @kernel
@@ -119,14 +121,13 @@ def _slack_of(nodes, ray: TurnedRay):
 
 
 @kernel
-def put_rays(numbers, integers, places, column: int, origins, directions, t_max, first: int, frame, nodes):
+def put_rays(numbers, integers, places, column: int, origins, directions, t_max, first: int, frame, nodes) -> bool:
     """Write the rays `first` to `first` + 7 of (n, 3) to a block, from a column on; those beyond the last have nothing to look for.
 
-    `places` (BLOCK_PLACES,) float64: where on the given ray each begins, and its length. `frame` is that of `near_ray`.
+    Returns whether they are followed as they are given. If not, `places` (BLOCK_PLACES,) float64 says where on its given ray each begins,
+    and its length. `t_max` (n,), or (1,) for all. `frame` is that of `near_ray`.
     """
-    _gather(numbers, places, column, origins, directions, t_max, first, frame)
-    for ray in range(column + max(origins.shape[0] - first, 0), column + 8):
-        numbers[HIT_T + ray] = -ONE
+    as_given = _gather(numbers, places, column, origins, directions, t_max, first, frame)
     o, d = three(numbers, ORIGIN + column), three(numbers, DIRECTION + column)
     ray, inverse = turned_ray(o, d), Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
     slack = _slack_of(nodes, ray)
@@ -142,6 +143,9 @@ def put_rays(numbers, integers, places, column: int, origins, directions, t_max,
     x, y, z = where(inverse.x < ZERO, 24, 0), where(inverse.y < ZERO, 32, 8), where(inverse.z < ZERO, 40, 16)
     _put_three(integers, FIRST_EDGES + column, x, y, z)
     store8(integers, HIT_TRIANGLE + column, splat8_int(-1))
+    store8(numbers, HIT_U + column, splat8(ZERO))
+    store8(numbers, HIT_V + column, splat8(ZERO))
+    return as_given
 
 
 @kernel

@@ -1,7 +1,7 @@
 """Many rays through one tree of triangles: the loops behind `accel.batch`.
 
-Rays are taken in blocks (`ray_block`). Eight neighbours of a block that go nearly the same way are traced together (`bundle`), all others
-several by turns (`flight`).
+Rays are taken in blocks (`ray_block`). Where all rays of a block, or eight neighbours, go nearly the same way, they are traced together
+(`bundle`), all others by turns (`flight`).
 """
 
 from __future__ import annotations
@@ -36,20 +36,22 @@ def _trace_block(
     nodes, packs, tags, frame, origins, directions, t_max, begin: int, numbers, integers, places, flight, stack, any_hit
 ) -> int:
     """Fill a block with the rays from `begin` on, and find what they hit. Returns which eights are followed as they are given, as bits."""
-    n = min(BLOCK, origins.shape[0] - begin)
-    as_given = 0
-    single = 0  # from this column on to the present one, rays are to be followed singly
+    n, as_given, size = min(BLOCK, origins.shape[0] - begin), 0, f32(frame[7])
     for column in range(0, n, 8):
         if put_rays(numbers, integers, places, column, origins, directions, t_max, begin + column, frame, nodes):
             as_given = as_given | (1 << (column >> 3))
-        if nodes.shape[0] > 0 and is_bundle(numbers, column, f32(frame[7])):
-            follow_rays(nodes, packs, tags, numbers, integers, single, column, flight, stack, any_hit)
-            meet_bundle(nodes, packs, tags, numbers, integers, column, stack, any_hit)
-            single = column + 8
-    if nodes.shape[0] > 0:
-        follow_rays(nodes, packs, tags, numbers, integers, single, n, flight, stack, any_hit)
-    else:
+    if nodes.shape[0] == 0:
         _try_all(packs, tags, numbers, integers, n, any_hit)
+    elif is_bundle(numbers, 0, n, size):
+        meet_bundle(nodes, packs, tags, numbers, integers, 0, n, stack, any_hit)
+    else:
+        single = 0  # from this column on to the present one, rays are to be followed singly
+        for column in range(0, n, 8):
+            if is_bundle(numbers, column, column + 8, size):
+                follow_rays(nodes, packs, tags, numbers, integers, single, column, flight, stack, any_hit)
+                meet_bundle(nodes, packs, tags, numbers, integers, column, column + 8, stack, any_hit)
+                single = column + 8
+        follow_rays(nodes, packs, tags, numbers, integers, single, n, flight, stack, any_hit)
     return as_given
 
 

@@ -19,8 +19,8 @@ from .near_ray import LONGEST, SHORTEST, near_ray
 from .walk import Hit, pack_hit
 
 __all__ = [
-    "DIRECTION", "END", "FIRST_EDGES", "HIT_T", "HIT_TRIANGLE", "HIT_U", "HIT_V", "INVERSE", "ORIGIN", "SLACK", "put_rays", "slabs_in",
-    "three", "try_pack",
+    "DIRECTION", "END", "FIRST_EDGES", "HIT_T", "HIT_TRIANGLE", "HIT_U", "HIT_V", "INVERSE", "INVERSE_FAR", "ORIGIN", "ORIGIN_FAR", "SLACK",
+    "put_rays", "slabs_in", "slabs_of_eight", "three", "try_pack",
 ]  # fmt: skip
 
 f32, f64 = np.float32, np.float64
@@ -28,7 +28,7 @@ f32, f64 = np.float32, np.float64
 # Rows of numbers: where a ray begins, where it goes, one over that; the same for planes that it meets last; as triangles want it; by how
 # much the t of a hit may be off; the t of its best hit, or up to where it is followed, below zero where nothing is to be found; the
 # weights of that hit; and up to where boxes are looked at, a little more than that t.
-ORIGIN, DIRECTION, INVERSE, _ORIGIN_FAR, _INVERSE_FAR = (3 * k * BLOCK for k in range(5))
+ORIGIN, DIRECTION, INVERSE, ORIGIN_FAR, INVERSE_FAR = (3 * k * BLOCK for k in range(5))
 _TURNED, SLACK, HIT_T, HIT_U, HIT_V, END = (k * BLOCK for k in (15, 21, 22, 23, 24, 25))
 # Rows of integers: the order of axes for triangles, where in a node the planes stand that are met first, the triangle of the best hit.
 _AXES, FIRST_EDGES, HIT_TRIANGLE = 0, 3 * BLOCK, 6 * BLOCK
@@ -60,7 +60,14 @@ def _one_of_three(rows, place: int) -> Vec3:
 def slabs_in(numbers, ray: int) -> Slabs:
     """A ray of a block as boxes want it."""
     o, inverse = _one_of_three(numbers, ORIGIN + ray), _one_of_three(numbers, INVERSE + ray)
-    return Slabs(o, inverse, _one_of_three(numbers, _ORIGIN_FAR + ray), _one_of_three(numbers, _INVERSE_FAR + ray))
+    return Slabs(o, inverse, _one_of_three(numbers, ORIGIN_FAR + ray), _one_of_three(numbers, INVERSE_FAR + ray))
+
+
+@kernel
+def slabs_of_eight(numbers, column: int) -> Slabs:
+    """Eight rays of a block as boxes want them."""
+    o, inverse = three(numbers, ORIGIN + column), three(numbers, INVERSE + column)
+    return Slabs(o, inverse, three(numbers, ORIGIN_FAR + column), three(numbers, INVERSE_FAR + column))
 
 
 @kernel
@@ -133,8 +140,8 @@ def put_rays(numbers, integers, places, column: int, origins, directions, t_max,
     slack = _slack_of(nodes, ray)
     slabs = slabs_of(o, d, inverse, slack)
     _put_three(numbers, INVERSE + column, inverse.x, inverse.y, inverse.z)
-    _put_three(numbers, _ORIGIN_FAR + column, slabs.o_far.x, slabs.o_far.y, slabs.o_far.z)
-    _put_three(numbers, _INVERSE_FAR + column, slabs.inverse_far.x, slabs.inverse_far.y, slabs.inverse_far.z)
+    _put_three(numbers, ORIGIN_FAR + column, slabs.o_far.x, slabs.o_far.y, slabs.o_far.z)
+    _put_three(numbers, INVERSE_FAR + column, slabs.inverse_far.x, slabs.inverse_far.y, slabs.inverse_far.z)
     _put_three(numbers, _TURNED + column, ray.sx, ray.sy, ray.sz)
     _put_three(numbers, _TURNED + 3 * BLOCK + column, ray.ox, ray.oy, ray.oz)
     store8(numbers, SLACK + column, slack)

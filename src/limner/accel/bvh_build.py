@@ -12,7 +12,7 @@ from ..kernel.vec import ZERO, Vec3
 from ..tables.layouts import OPAQUE, SPHERE
 from .layouts import MAX_DEPTH
 
-__all__ = ["bound_triangles", "build_tree", "gather_primitives"]
+__all__ = ["bound_triangles", "build_tree", "gather_primitives", "turn_bounds"]
 
 f32, i32 = np.float32, np.int32
 _BINS = 16
@@ -76,6 +76,18 @@ def bound_triangles(corners, bounds):
         for axis in range(3):
             a, b, c = corners[k, axis], corners[k, 3 + axis], corners[k, 6 + axis]
             bounds[k, axis], bounds[k, 3 + axis] = min(min(a, b), c), max(max(a, b), c)
+
+
+@kernel
+def turn_bounds(bounds, boxes):
+    """Fill the two rows of each primitive, `boxes` (16 n,), from bounds (n, 6)."""
+    for k in range(bounds.shape[0]):
+        place = 16 * k
+        for axis in range(3):
+            low, high = bounds[k, axis], bounds[k, 3 + axis]
+            boxes[place + axis], boxes[place + 4 + axis] = -low, high
+            boxes[place + 8 + axis], boxes[place + 12 + axis] = -(low + high), low + high
+        boxes[place + 3], boxes[place + 7], boxes[place + 11], boxes[place + 15] = ZERO, ZERO, ZERO, ZERO
 
 
 @kernel

@@ -102,9 +102,10 @@ class Visits:
     Attributes
     ----------
     nodes : (n,) int32
-        Cells of a grid, nodes of a BSP, boxes of a tree.
+        Cells of a grid, nodes of a BSP, boxes of the plain tree; of the tree of eight children its nodes, of which each is eight boxes that
+        are met at once.
     triangles : (n,) int32
-        Those listed twice and met twice count twice.
+        Those listed twice and met twice count twice. The tree of eight children meets up to eight at once.
     """
 
     nodes: NDArray[np.int32]
@@ -267,14 +268,17 @@ class RayCaster:
     ) -> Visits:
         """Count what is looked at to find the first hit of every ray, or any; other arguments as of `intersect`.
 
-        Of a grid, a BSP or a tree of least volumes; UnsupportedError of the others.
+        >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> caster.visits([0.25, 0.25, 3], [0, 0, -1]).triangles.tolist()
+        [1]
         """
-        if isinstance(self._accelerator, Accelerator):
-            raise UnsupportedError('visits are counted with accelerator="grid", "bsp" or "volume_tree"')
         shape, rays = _rays(origins, directions, t_max)
-        counted = batch_structures.cast(
-            self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit, counting=True
-        ).visits
+        if isinstance(self._accelerator, Accelerator):
+            counted = batch.visits_of(self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit)
+        else:
+            counted = batch_structures.cast(
+                self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit, counting=True
+            ).visits
         return Visits(counted[:, 0].reshape(shape), counted[:, 1].reshape(shape))
 
     @property

@@ -15,7 +15,7 @@ from .._door import Array, Door, Scalar
 from ..tiles import PerThread, run_all
 from .layouts import ACCELERATOR_ARRAYS, BLOCK, BLOCK_INTEGERS, BLOCK_NUMBERS, BLOCK_PLACES, STACKS, Accelerator
 
-__all__ = ["any_hits", "nearest_hits", "refit"]
+__all__ = ["any_hits", "nearest_hits", "refit", "visits_of"]
 
 CHUNK = 8192  # rays of one piece of work: some milliseconds
 
@@ -34,6 +34,16 @@ _INTERSECT = _door("intersect_batch", _HITS, "the ray caster", np.float64)
 _INTERSECT_SINGLE = _door("intersect_batch_single", _HITS, "the ray caster for float32", np.float32)
 _OCCLUDED = _door("occluded_batch", (Array(np.uint8, 1),), "the ray caster's shadows", np.float64)
 _OCCLUDED_SINGLE = _door("occluded_batch_single", (Array(np.uint8, 1),), "the ray caster's shadows for float32", np.float32)
+
+_VISITS = Door(
+    "limner.accel.batch_kernel",
+    "visits_batch",
+    (
+        *_TREE, Array(np.float64, 1), Array(np.float64, 2), Array(np.float64, 2), Array(np.float64, 1), Array(np.int32, 2),
+        Scalar(np.int64), Scalar(np.int64), *_SCRATCH,
+    ),
+    "what the ray caster looks at",
+)  # fmt: skip
 
 _REFIT = Door(
     "limner.accel.refit_kernel",
@@ -94,6 +104,25 @@ def any_hits(
     return dark.view(np.bool_)
 
 
+def visits_of(
+    accelerator: Accelerator,
+    frame: NDArray[np.float64],
+    origins: NDArray[Any],
+    directions: NDArray[Any],
+    t_max: NDArray[Any],
+    threads: int,
+    *,
+    any_hit: bool,
+) -> NDArray[np.int32]:
+    """Count of every ray, (n, 2), how many nodes it meets, each with eight boxes, and how many triangles; arguments as of `nearest_hits`.
+
+    Rays that go together are counted as if each went alone.
+    """
+    visits = np.zeros((len(origins), 2), dtype=np.int32)
+    _run(_VISITS, accelerator, frame, (origins, directions, t_max), (visits,), threads, int(any_hit))
+    return visits
+
+
 def _are_single(origins: NDArray[Any], directions: NDArray[Any]) -> bool:
     return origins.dtype == np.float32 and directions.dtype == np.float32
 
@@ -105,6 +134,7 @@ def _run(
     rays: tuple[NDArray[Any], ...],
     results: tuple[NDArray[Any], ...],
     threads: int,
+    *choices: int,
 ) -> None:
     origins, directions, t_max = rays
     number = np.float32 if door in (_INTERSECT_SINGLE, _OCCLUDED_SINGLE) else np.float64
@@ -117,7 +147,7 @@ def _run(
         piece = slice(first, first + CHUNK)
         o, d = (np.ascontiguousarray(part[piece], dtype=number) for part in (origins, directions))
         ends = np.ascontiguousarray(t_max[piece] if len(t_max) > 1 else t_max, dtype=np.float64)
-        door(*accelerator[:3], frame, o, d, ends, *results, first, *scratch.value)
+        door(*accelerator[:3], frame, o, d, ends, *results, first, *choices, *scratch.value)
 
     door.open()
     run_all(trace, range(0, len(origins), CHUNK), threads)

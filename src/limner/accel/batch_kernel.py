@@ -14,9 +14,9 @@ from ..kernel.vec import ZERO
 from .bundle import is_bundle, meet_bundle
 from .flight import follow_rays
 from .layouts import BLOCK, TAG_WORDS
-from .ray_block import HIT_T, HIT_TRIANGLE, HIT_U, HIT_V, put_rays, try_pack
+from .ray_block import HIT_T, HIT_TRIANGLE, HIT_U, HIT_V, n_triangles_in, put_rays, try_pack
 
-__all__ = ["intersect_batch", "intersect_batch_single", "occluded_batch", "occluded_batch_single"]
+__all__ = ["intersect_batch", "intersect_batch_single", "occluded_batch", "occluded_batch_single", "visits_batch"]
 
 f32, f64 = np.float32, np.float64
 _MISS = f32(np.inf)
@@ -48,10 +48,10 @@ def _trace_block(
         single = 0  # from this column on to the present one, rays are to be followed singly
         for column in range(0, n, 8):
             if is_bundle(numbers, column, column + 8, size):
-                follow_rays(nodes, packs, tags, numbers, integers, single, column, flight, stack, any_hit)
+                follow_rays(nodes, packs, tags, numbers, integers, single, column, flight, stack, any_hit, None)
                 meet_bundle(nodes, packs, tags, numbers, integers, column, column + 8, stack, any_hit)
                 single = column + 8
-        follow_rays(nodes, packs, tags, numbers, integers, single, n, flight, stack, any_hit)
+        follow_rays(nodes, packs, tags, numbers, integers, single, n, flight, stack, any_hit, None)
     return as_given
 
 
@@ -107,3 +107,21 @@ def intersect_batch_single(
 def occluded_batch_single(nodes, packs, tags, frame, origins, directions, t_max, dark, first, numbers, integers, places, flight, stack):
     """As `occluded_batch`, for rays in float32."""
     occluded_batch(nodes, packs, tags, frame, origins, directions, t_max, dark, first, numbers, integers, places, flight, stack)
+
+
+@kernel
+def visits_batch(nodes, packs, tags, frame, origins, directions, t_max, visits, first, any_hit, numbers, integers, places, flight, stack):
+    """Add to `visits` (n, 2) int32 from row `first` how many nodes each ray meets, and triangles, followed by itself."""
+    for begin in range(0, origins.shape[0], BLOCK):
+        n = min(BLOCK, origins.shape[0] - begin)
+        for column in range(0, n, 8):
+            put_rays(numbers, integers, places, column, origins, directions, t_max, begin + column, frame, nodes)
+        if nodes.shape[0] > 0:
+            rows = visits[first + begin : first + begin + n]
+            follow_rays(nodes, packs, tags, numbers, integers, 0, n, flight, stack, any_hit != 0, rows)
+            continue
+        for ray in range(n):
+            for pack in range(tags.shape[0] // TAG_WORDS):
+                if numbers[HIT_T + ray] > ZERO:
+                    visits[first + begin + ray, 1] += n_triangles_in(packs, pack)
+                    try_pack(packs, tags, pack, numbers, integers, ray, any_hit != 0)

@@ -31,7 +31,7 @@ from ..kernel.lanes import (
 )
 from ..kernel.vec import ZERO, Vec3
 from .layouts import BLOCK, ENTRIES, LINKS, NODE_WORDS, PACK_WORDS, WAITING
-from .ray_block import END, FIRST_EDGES, HIT_T, slabs_in, try_pack
+from .ray_block import END, FIRST_EDGES, HIT_T, n_triangles_in, slabs_in, try_pack
 from .walk import edges_of
 
 __all__ = ["follow_rays"]
@@ -91,10 +91,11 @@ def _go_on(nodes, packs, numbers, ray: int, flight, stack, top: int) -> int:
 
 
 @kernel
-def follow_rays(nodes, packs, tags, numbers, integers, first: int, end: int, flight, stack, any_hit):
+def follow_rays(nodes, packs, tags, numbers, integers, first: int, end: int, flight, stack, any_hit, visits):
     """Find the nearest hit, or any, of the rays `first` to `end` - 1 of a block, in a tree of triangles alone.
 
-    HIT_T then is below 0 where any hit was asked for, and found. Scratch: `flight` (4 BLOCK,) int64, `stack` (STACKS,) int32.
+    HIT_T then is below 0 where any hit was asked for, and found. Scratch: `flight` (4 BLOCK,) int64, `stack` (STACKS,) int32. `visits`, if
+    any (BLOCK, 2) int32: how many nodes each ray meets, and triangles, is added to it.
     """
     n_nodes, n_packs = 0, 0
     for ray in range(first, end):
@@ -107,6 +108,8 @@ def follow_rays(nodes, packs, tags, numbers, integers, first: int, end: int, fli
         here, n_nodes = n_nodes, 0
         for k in range(here):
             ray = at(flight, _AT_NODES + k)
+            if visits is not None:  # known to the compiler
+                visits[ray, 0] += 1
             top = _pushed(nodes, at(flight, _LINK + ray), numbers, integers, ray, stack, at(flight, _TOP + ray))
             link = _go_on(nodes, packs, numbers, ray, flight, stack, top)
             # A ray is in one list or the other, or in none.
@@ -117,7 +120,10 @@ def follow_rays(nodes, packs, tags, numbers, integers, first: int, end: int, fli
         here, n_packs = n_packs, 0
         for k in range(here):
             ray = at(flight, _AT_PACKS + k)
-            try_pack(packs, tags, (-1 - at(flight, _LINK + ray)) >> 1, numbers, integers, ray, any_hit)
+            pack = (-1 - at(flight, _LINK + ray)) >> 1
+            if visits is not None:
+                visits[ray, 1] += n_triangles_in(packs, pack)
+            try_pack(packs, tags, pack, numbers, integers, ray, any_hit)
             link = _go_on(nodes, packs, numbers, ray, flight, stack, at(flight, _TOP + ray))
             put(flight, _AT_NODES + n_nodes, ray)
             put(flight, _AT_PACKS + n_packs, ray)

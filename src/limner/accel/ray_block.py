@@ -12,15 +12,15 @@ from .._jit import kernel
 from ..intersect.box import Slabs, moved_on, slabs_of
 from ..intersect.triangle import TurnedRay, turned_ray
 from ..kernel.elementary import as_float
-from ..kernel.lanes import at, load8, mask_of, max, put, splat8, splat8_int, store8, three_columns, where
+from ..kernel.lanes import at, count_set, load8, mask_of, max, put, splat8, splat8_int, store8, three_columns, where
 from ..kernel.vec import ONE, ZERO, Vec3
-from .layouts import BLOCK, CORNERS
+from .layouts import BLOCK, CORNERS, PACK_WORDS
 from .near_ray import LONGEST, SHORTEST, near_ray
 from .walk import Hit, pack_hit
 
 __all__ = [
     "DIRECTION", "END", "FIRST_EDGES", "HIT_T", "HIT_TRIANGLE", "HIT_U", "HIT_V", "INVERSE", "INVERSE_FAR", "ORIGIN", "ORIGIN_FAR", "SLACK",
-    "put_rays", "slabs_in", "slabs_of_eight", "three", "try_pack",
+    "n_triangles_in", "put_rays", "slabs_in", "slabs_of_eight", "three", "try_pack",
 ]  # fmt: skip
 
 f32, f64 = np.float32, np.float64
@@ -167,3 +167,10 @@ def try_pack(packs, tags, pack: int, numbers, integers, ray: int, any_hit):
         # Who needs no more than one hit meets nothing from here on.
         put(numbers, HIT_T + ray, -ONE if any_hit else hit.t)
         put(numbers, END + ray, -ONE if any_hit else moved_on(hit.t, at(numbers, SLACK + ray)))
+
+
+@kernel
+def n_triangles_in(packs, pack: int) -> int:
+    """How many triangles a pack has."""
+    x = load8(packs, PACK_WORDS * pack)
+    return np.int64(count_set(mask_of(x == x)))

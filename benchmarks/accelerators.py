@@ -4,18 +4,16 @@
 
 Scenes are triangles strewn at random, a teapot, a teapot in a stadium, and the models that are given. Rays are those of `rays.py`: primary
 ones, bounces, random chords (in the stadium those of the teapot alone), one thread, in millions a second of processor time. Parts and
-triangles are those that a random chord visits; of the tree of eight children (eight boxes, eight triangles at once) they are counted in a
-process in which kernels run as Python and are recorded. All structures must find the same distances before anything is told. `--embree`
-compares resident memory with Embree's (Linux), each in a process of its own, before and after the C library was made to return what is
-free in its heap; `--plot` draws how the time of a ray grows from a thousand to four million triangles.
+triangles are those that a random chord visits; a part of the tree of eight children is a node, of eight boxes. All structures must find
+the same distances before anything is told. `--embree` compares resident memory with Embree's (Linux), each in a process of its own, before
+and after the C library was made to return what is free in its heap; `--plot` draws how the time of a ray grows from a thousand to four
+million triangles.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-import os
-import pickle
 import subprocess
 import sys
 import tempfile
@@ -38,20 +36,7 @@ Floats = NDArray[np.float32]
 Mesh = tuple[Floats, NDArray[np.int32]]
 STRUCTURES: tuple[Kind, ...] = ("bvh", "grid", "bsp", "volume_tree")
 COLORS = {"bvh": "#1b6ac9", "grid": "#c9541b", "bsp": "#2f9e44", "volume_tree": "#8a3ac2"}
-N_TRACED = 150
 EMBREE_NAME = "Embree"
-
-_COUNT = """
-import pickle, sys
-import numpy as np
-from limner._jit import recording
-with open(sys.argv[1], "rb") as file:
-    caster, origins, directions = pickle.load(file)
-with recording() as calls:
-    caster.intersect(origins, directions, threads=1)
-names = [call.name.rpartition(".")[2] for root in calls for call in root.walk()]
-print(names.count("meet_box") / len(origins), names.count("hit_triangle") / len(origins))
-"""
 
 _RESIDENT = """
 import ctypes, sys
@@ -149,7 +134,8 @@ def compare(name: str, mesh: Mesh, all_rays: dict[str, Floats], n_rays: int) -> 
             if not np.array_equal(expected.setdefault(kind, t), t):
                 raise SystemExit(f"{structure} finds other hits than {STRUCTURES[0]}: {name}, {kind}")
             speeds.append(len(origins) / took / 1e6)
-        nodes, triangles = visited(caster, structure, *rays["random"])
+        seen = caster.visits(*rays["random"])
+        nodes, triangles = seen.nodes.mean(), seen.triangles.mean()
         cells = [f"{seconds:.3f}", f"{caster.nbytes / 1e6:.1f}", f"{nodes:.1f}", f"{triangles:.1f}", *(f"{speed:.2f}" for speed in speeds)]
         print(f"| {structure} | " + " | ".join(cells) + " |", flush=True)
 
@@ -183,20 +169,6 @@ def asked(caster: limner.RayCaster, origins: Floats, directions: Floats) -> tupl
         hits = caster.intersect(origins, directions, threads=1)
         taken.append(time.process_time() - began)
     return min(taken), hits.t
-
-
-def visited(caster: limner.RayCaster, structure: Kind, origins: Floats, directions: Floats) -> tuple[float, float]:
-    """Parts and triangles of a ray on average."""
-    if structure != "bvh":
-        seen = caster.visits(origins, directions)
-        return float(seen.nodes.mean()), float(seen.triangles.mean())
-    with tempfile.NamedTemporaryFile() as file:
-        pickle.dump((caster, origins[:N_TRACED], directions[:N_TRACED]), file)
-        file.flush()
-        words = [sys.executable, "-c", _COUNT, file.name]
-        told = subprocess.run(words, check=True, capture_output=True, text=True, env={**os.environ, "LIMNER_MODE": "traced"}).stdout
-    nodes, triangles = told.split()
-    return float(nodes), float(triangles)
 
 
 def tell_memory(mesh: Mesh, embree: str) -> None:

@@ -102,9 +102,10 @@ class Visits:
     Attributes
     ----------
     nodes : (n,) int32
-        Cells of a grid, nodes of a BSP, boxes of a tree.
+        Cells of a grid, nodes of a BSP, boxes of the plain tree; of the tree of eight children its nodes, of which each is eight boxes that
+        are met at once.
     triangles : (n,) int32
-        Those listed twice and met twice count twice.
+        Those listed twice and met twice count twice. The tree of eight children meets up to eight at once.
     """
 
     nodes: NDArray[np.int32]
@@ -151,7 +152,7 @@ class RayCaster:
         _check_range(indices, len(points))
         self.n_triangles = len(indices)
         kept, used = _finite_triangles(points, indices)
-        self._frame = _frame(points[used].astype(np.float64))
+        self._frame = _frame(points if used.all() else points[used])
         self._rows = kept if len(kept) < len(indices) else None
         self._n_vertices, self._triangles = len(points), indices.astype(np.int32)
         self._accelerator = _built(self._corners(points), kept, accelerator, spatial_splits)
@@ -267,14 +268,17 @@ class RayCaster:
     ) -> Visits:
         """Count what is looked at to find the first hit of every ray, or any; other arguments as of `intersect`.
 
-        Of a grid, a BSP or a tree of least volumes; UnsupportedError of the others.
+        >>> caster = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> caster.visits([0.25, 0.25, 3], [0, 0, -1]).triangles.tolist()
+        [1]
         """
-        if isinstance(self._accelerator, Accelerator):
-            raise UnsupportedError('visits are counted with accelerator="grid", "bsp" or "volume_tree"')
         shape, rays = _rays(origins, directions, t_max)
-        counted = batch_structures.cast(
-            self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit, counting=True
-        ).visits
+        if isinstance(self._accelerator, Accelerator):
+            counted = batch.visits_of(self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit)
+        else:
+            counted = batch_structures.cast(
+                self._accelerator, self._frame, *rays, thread_count(threads), any_hit=any_hit, counting=True
+            ).visits
         return Visits(counted[:, 0].reshape(shape), counted[:, 1].reshape(shape))
 
     @property
@@ -339,19 +343,22 @@ def _check_range(triangles: NDArray[Any], n_vertices: int) -> None:
 
 def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """The triangles that are made of numbers, (m,) rows, and which vertices, (n,) bool, they are made of."""
+    used = np.zeros(len(points), dtype=np.bool_)
+    if np.isfinite(points).all():
+        used[triangles.reshape(-1)] = True
+        return np.arange(len(triangles), dtype=np.int32), used
     finite = np.isfinite(points).all(axis=1)
     kept = np.flatnonzero(finite[triangles].all(axis=1)).astype(np.int32)
-    used = np.zeros(len(points), dtype=np.bool_)
     used[triangles[kept]] = True
     return kept, used
 
 
-def _frame(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _frame(points: NDArray[Any]) -> NDArray[np.float64]:
     """(8,) float64: by what the mesh is moved, by what it is scaled (a power of two), then its sphere: centre and radius."""
     frame = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     if not len(points):
         return frame
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = points.min(axis=0).astype(np.float64), points.max(axis=0).astype(np.float64)
     # Halves first: the sum of two great numbers may be infinite.
     centre, half = low / 2.0 + high / 2.0, high / 2.0 - low / 2.0
     reach = float(half.max())

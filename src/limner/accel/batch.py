@@ -12,32 +12,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar
-from ..tables import layouts
-from ..tiles import run_all
-from .layouts import ACCELERATOR_ARRAYS, BUNDLE_INTEGERS, BUNDLE_NUMBERS, STACK_SIZE, Accelerator
+from ..tiles import PerThread, run_all
+from .layouts import ACCELERATOR_ARRAYS, BLOCK, BLOCK_INTEGERS, BLOCK_NUMBERS, BLOCK_PLACES, STACKS, Accelerator
 
-__all__ = ["any_hits", "nearest_hits", "refit"]
+__all__ = ["any_hits", "nearest_hits", "refit", "visits_of"]
 
 CHUNK = 8192  # rays of one piece of work: some milliseconds
 
-_RAYS = (Array(layouts.INSTANCE, 1), Array(np.float64, 1), Array(np.float64, 2), Array(np.float64, 2), Array(np.float64, 1))
-_SCRATCH = (Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1), Array(np.float64, 1))
+_TREE = ACCELERATOR_ARRAYS[:3]
+_SCRATCH = (Array(np.float32, 1), Array(np.int32, 1), Array(np.float64, 1), Array(np.int64, 1), Array(np.int32, 1))
+_HITS = (Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.float32, 1))
 
-_INTERSECT = Door(
+
+def _door(function: str, results: tuple[Array, ...], what: str, number: type) -> Door:
+    """The door for rays of float64, or of float32, which are not converted first."""
+    rays = Array(np.float64, 1), Array(number, 2), Array(number, 2), Array(np.float64, 1)
+    return Door("limner.accel.batch_kernel", function, (*_TREE, *rays, *results, Scalar(np.int64), *_SCRATCH), what)
+
+
+_INTERSECT = _door("intersect_batch", _HITS, "the ray caster", np.float64)
+_INTERSECT_SINGLE = _door("intersect_batch_single", _HITS, "the ray caster for float32", np.float32)
+_OCCLUDED = _door("occluded_batch", (Array(np.uint8, 1),), "the ray caster's shadows", np.float64)
+_OCCLUDED_SINGLE = _door("occluded_batch_single", (Array(np.uint8, 1),), "the ray caster's shadows for float32", np.float32)
+
+_VISITS = Door(
     "limner.accel.batch_kernel",
-    "intersect_batch",
+    "visits_batch",
     (
-        *ACCELERATOR_ARRAYS, *_RAYS, Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 2), Scalar(np.int64), *_SCRATCH,
+        *_TREE, Array(np.float64, 1), Array(np.float64, 2), Array(np.float64, 2), Array(np.float64, 1), Array(np.int32, 2),
+        Scalar(np.int64), Scalar(np.int64), *_SCRATCH,
     ),
-    "the ray caster",
+    "what the ray caster looks at",
 )  # fmt: skip
-
-_OCCLUDED = Door(
-    "limner.accel.batch_kernel",
-    "occluded_batch",
-    (*ACCELERATOR_ARRAYS, *_RAYS, Array(np.uint8, 1), Scalar(np.int64), *_SCRATCH),
-    "the ray caster's shadows",
-)
 
 _REFIT = Door(
     "limner.accel.refit_kernel",
@@ -76,9 +82,11 @@ def nearest_hits(
     u, v : (n,) float32
     """
     n = len(origins)
-    t, triangle, uv = np.empty(n, dtype=np.float32), np.empty(n, dtype=np.int32), np.empty((2, n), dtype=np.float32)
-    _run(_INTERSECT, accelerator, frame, (origins, directions, t_max), (t, triangle, uv), threads)
-    return t, triangle, uv[0], uv[1]
+    t, u, v = np.empty((3, n), dtype=np.float32)
+    triangle = np.empty(n, dtype=np.int32)
+    door = _INTERSECT_SINGLE if _are_single(origins, directions) else _INTERSECT
+    _run(door, accelerator, frame, (origins, directions, t_max), (t, triangle, u, v), threads)
+    return t, triangle, u, v
 
 
 def any_hits(
@@ -91,8 +99,32 @@ def any_hits(
 ) -> NDArray[np.bool_]:
     """Tell of every ray, (n,), whether it hits anything; arguments as of `nearest_hits`."""
     dark = np.empty(len(origins), dtype=np.uint8)
-    _run(_OCCLUDED, accelerator, frame, (origins, directions, t_max), (dark,), threads)
+    door = _OCCLUDED_SINGLE if _are_single(origins, directions) else _OCCLUDED
+    _run(door, accelerator, frame, (origins, directions, t_max), (dark,), threads)
     return dark.view(np.bool_)
+
+
+def visits_of(
+    accelerator: Accelerator,
+    frame: NDArray[np.float64],
+    origins: NDArray[Any],
+    directions: NDArray[Any],
+    t_max: NDArray[Any],
+    threads: int,
+    *,
+    any_hit: bool,
+) -> NDArray[np.int32]:
+    """Count of every ray, (n, 2), how many nodes it meets, each with eight boxes, and how many triangles; arguments as of `nearest_hits`.
+
+    Rays that go together are counted as if each went alone.
+    """
+    visits = np.zeros((len(origins), 2), dtype=np.int32)
+    _run(_VISITS, accelerator, frame, (origins, directions, t_max), (visits,), threads, int(any_hit))
+    return visits
+
+
+def _are_single(origins: NDArray[Any], directions: NDArray[Any]) -> bool:
+    return origins.dtype == np.float32 and directions.dtype == np.float32
 
 
 def _run(
@@ -102,13 +134,23 @@ def _run(
     rays: tuple[NDArray[Any], ...],
     results: tuple[NDArray[Any], ...],
     threads: int,
+    *choices: int,
 ) -> None:
+    origins, directions, t_max = rays
+    number = np.float32 if door in (_INTERSECT_SINGLE, _OCCLUDED_SINGLE) else np.float64
+    if t_max.strides == (0,):
+        t_max = t_max[:1]  # one for all
+
+    scratch = PerThread(_scratch)
+
     def trace(first: int) -> None:
-        piece = [np.ascontiguousarray(part[first : first + CHUNK], dtype=np.float64) for part in rays]
-        door(*accelerator, _NO_INSTANCES, frame, *piece, *results, first, *_scratch())
+        piece = slice(first, first + CHUNK)
+        o, d = (np.ascontiguousarray(part[piece], dtype=number) for part in (origins, directions))
+        ends = np.ascontiguousarray(t_max[piece] if len(t_max) > 1 else t_max, dtype=np.float64)
+        door(*accelerator[:3], frame, o, d, ends, *results, first, *choices, *scratch.value)
 
     door.open()
-    run_all(trace, range(0, len(rays[0]), CHUNK), threads)
+    run_all(trace, range(0, len(origins), CHUNK), threads)
 
 
 def refit(accelerator: Accelerator, numbers: NDArray[np.int32], n_triangles: int, corners: NDArray[np.float32]) -> None:
@@ -119,11 +161,8 @@ def refit(accelerator: Accelerator, numbers: NDArray[np.int32], n_triangles: int
 
 
 def _scratch() -> tuple[NDArray[Any], ...]:
-    """What waits during a walk, and a bundle of eight rays."""
+    """A block of rays, and what waits while they are followed."""
     return (
-        np.empty(STACK_SIZE, dtype=np.int32), np.empty(BUNDLE_NUMBERS, dtype=np.float32), np.empty(BUNDLE_INTEGERS, dtype=np.int32),
-        np.empty(16),
+        np.empty(BLOCK_NUMBERS, dtype=np.float32), np.empty(BLOCK_INTEGERS, dtype=np.int32), np.empty(BLOCK_PLACES),
+        np.empty(4 * BLOCK, dtype=np.int64), np.empty(STACKS, dtype=np.int32),
     )  # fmt: skip
-
-
-_NO_INSTANCES = np.zeros(0, dtype=layouts.INSTANCE)

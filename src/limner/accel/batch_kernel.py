@@ -1,6 +1,7 @@
 """Many rays through one tree of triangles: the loops behind `accel.batch`.
 
-Eight neighbours that go nearly the same way are traced together (`bundle`), all others one by one.
+Rays are taken in blocks (`ray_block`). Where all rays of a block, or eight neighbours, go nearly the same way, they are traced together
+(`bundle`), all others by turns (`flight`).
 """
 
 from __future__ import annotations
@@ -8,93 +9,119 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel
+from ..kernel.lanes import load8, store8, where
 from ..kernel.vec import ZERO
-from .bundle import HIT_T, HIT_TRIANGLE, HIT_U, HIT_V, is_bundle, meet_bundle, put_ray
-from .near_ray import near_ray
-from .walk import nearest, occluded
+from .bundle import is_bundle, meet_bundle
+from .flight import follow_rays
+from .layouts import BLOCK, TAG_WORDS
+from .ray_block import HIT_T, HIT_TRIANGLE, HIT_U, HIT_V, n_triangles_in, put_rays, try_pack
 
-__all__ = ["intersect_batch", "occluded_batch"]
+__all__ = ["intersect_batch", "intersect_batch_single", "occluded_batch", "occluded_batch_single", "visits_batch"]
 
 f32, f64 = np.float32, np.float64
-_ALIKE = f64(0.05)
+_MISS = f32(np.inf)
 
 
 @kernel
-def _look_alike(directions, k: int) -> bool:
-    """Whether it is worth asking if eight rays are a bundle: the first and the last of them go the same way."""
-    d0, d1, d2 = directions[k, 0], directions[k, 1], directions[k, 2]
-    most = _ALIKE * max(max(abs(d0), abs(d1)), abs(d2))
-    return (
-        abs(directions[k + 7, 0] - d0) <= most and abs(directions[k + 7, 1] - d1) <= most and abs(directions[k + 7, 2] - d2) <= most
-    )
+def _try_all(packs, tags, numbers, integers, n: int, any_hit):
+    """Without a tree: every ray tries every triangle."""
+    for ray in range(n):
+        for pack in range(tags.shape[0] // TAG_WORDS):
+            if numbers[HIT_T + ray] > ZERO:
+                try_pack(packs, tags, pack, numbers, integers, ray, any_hit)
 
 
 @kernel
-def _gathered(origins, directions, t_max, k: int, frame, numbers, integers, places) -> bool:
-    """Write rays k to k + 7 as a bundle, if they are one; `places` (16,): where each starts, and its length."""
-    if not _look_alike(directions, k):
-        return False
-    for i in range(8):
-        ray = near_ray(origins, directions, k + i, frame)
-        end = f32(t_max[k + i] * ray.length - ray.start)
-        if not (ray.sound and end > ZERO):
-            return False
-        put_ray(numbers, integers, i, ray.o, ray.d, end)
-        places[i], places[8 + i] = ray.start, ray.length
-    return is_bundle(numbers, f32(frame[7]))
+def _trace_block(
+    nodes, packs, tags, frame, origins, directions, t_max, begin: int, numbers, integers, places, flight, stack, any_hit
+) -> int:
+    """Fill a block with the rays from `begin` on, and find what they hit. Returns which eights are followed as they are given, as bits."""
+    n, as_given, size = min(BLOCK, origins.shape[0] - begin), 0, f32(frame[7])
+    for column in range(0, n, 8):
+        if put_rays(numbers, integers, places, column, origins, directions, t_max, begin + column, frame, nodes):
+            as_given = as_given | (1 << (column >> 3))
+    if nodes.shape[0] == 0:
+        _try_all(packs, tags, numbers, integers, n, any_hit)
+    elif is_bundle(numbers, 0, n, size):
+        meet_bundle(nodes, packs, tags, numbers, integers, 0, n, stack, any_hit)
+    else:
+        single = 0  # from this column on to the present one, rays are to be followed singly
+        for column in range(0, n, 8):
+            if is_bundle(numbers, column, column + 8, size):
+                follow_rays(nodes, packs, tags, numbers, integers, single, column, flight, stack, any_hit, None)
+                meet_bundle(nodes, packs, tags, numbers, integers, column, column + 8, stack, any_hit)
+                single = column + 8
+        follow_rays(nodes, packs, tags, numbers, integers, single, n, flight, stack, any_hit, None)
+    return as_given
 
 
 @kernel
 def intersect_batch(
-    nodes, packs, tags, primitives, planes, instances, frame, origins, directions, t_max, t, triangle, uv, first, stack, numbers, integers,
-    places,
-):  # fmt: skip
-    """Fill t, triangle and uv from row `first` with the nearest hits of the rays (n, 3), each within (0, t_max).
+    nodes, packs, tags, frame, origins, directions, t_max, t, triangle, u, v, first, numbers, integers, places, flight, stack
+):
+    """Fill t, triangle, u and v from row `first` with the nearest hits of the rays (n, 3), each within (0, t_max).
 
-    numbers, integers, places: scratch of BUNDLE_NUMBERS, BUNDLE_INTEGERS and 16.
+    numbers, integers, places: a block, of BLOCK_NUMBERS, BLOCK_INTEGERS and BLOCK_PLACES; flight, stack: see `flight.follow_rays`.
     """
-    accelerator = (nodes, packs, tags, primitives, planes, None)
-    n = origins.shape[0]
-    for begin in range(0, n, 8):
-        is_one = begin + 8 <= n and nodes.shape[0] > 0
-        if is_one and _gathered(origins, directions, t_max, begin, frame, numbers, integers, places):
-            meet_bundle(accelerator, numbers, integers, stack, False)
-            for i in range(8):
-                row, found = first + begin + i, integers[HIT_TRIANGLE + i]
-                t[row], triangle[row], uv[0, row], uv[1, row] = f32(np.inf), found, ZERO, ZERO
-                if found >= 0:
-                    t[row] = f32((places[i] + f64(numbers[HIT_T + i])) / places[8 + i])
-                    uv[0, row], uv[1, row] = numbers[HIT_U + i], numbers[HIT_V + i]
-            continue
-        for k in range(begin, min(begin + 8, n)):
-            row = first + k
-            t[row], triangle[row], uv[0, row], uv[1, row] = f32(np.inf), -1, ZERO, ZERO
-            ray = near_ray(origins, directions, k, frame)
-            end = f32(t_max[k] * ray.length - ray.start)
-            if ray.sound and end > ZERO:
-                hit = nearest(accelerator, instances, ray.o, ray.d, ZERO, end, stack)
-                if hit.instance >= 0:
-                    t[row], triangle[row] = f32((ray.start + f64(hit.t)) / ray.length), hit.triangle
-                    uv[0, row], uv[1, row] = hit.u, hit.v
+    for begin in range(0, origins.shape[0], BLOCK):
+        as_given = _trace_block(
+            nodes, packs, tags, frame, origins, directions, t_max, begin, numbers, integers, places, flight, stack, False
+        )  # fmt: skip
+        for column in range(0, min(BLOCK, origins.shape[0] - begin), 8):
+            row = first + begin + column
+            if as_given & (1 << (column >> 3)) != 0:
+                found = load8(integers, HIT_TRIANGLE + column)
+                store8(triangle, row, found)
+                store8(t, row, where(found >= 0, load8(numbers, HIT_T + column), _MISS))
+                store8(u, row, load8(numbers, HIT_U + column))
+                store8(v, row, load8(numbers, HIT_V + column))
+                continue
+            for i in range(min(8, origins.shape[0] - begin - column)):
+                ray = column + i
+                triangle[row + i], u[row + i], v[row + i] = integers[HIT_TRIANGLE + ray], numbers[HIT_U + ray], numbers[HIT_V + ray]
+                t[row + i] = _MISS
+                if integers[HIT_TRIANGLE + ray] >= 0:
+                    t[row + i] = f32((places[ray] + f64(numbers[HIT_T + ray])) / places[BLOCK + ray])
 
 
 @kernel
-def occluded_batch(
-    nodes, packs, tags, primitives, planes, instances, frame, origins, directions, t_max, dark, first, stack, numbers, integers, places
-):
+def occluded_batch(nodes, packs, tags, frame, origins, directions, t_max, dark, first, numbers, integers, places, flight, stack):
     """Fill `dark` (uint8) from row `first`: whether anything lies within (0, t_max) of each ray."""
-    accelerator = (nodes, packs, tags, primitives, planes, None)
-    n = origins.shape[0]
-    for begin in range(0, n, 8):
-        is_one = begin + 8 <= n and nodes.shape[0] > 0
-        if is_one and _gathered(origins, directions, t_max, begin, frame, numbers, integers, places):
-            meet_bundle(accelerator, numbers, integers, stack, True)
-            for i in range(8):
-                dark[first + begin + i] = 1 if numbers[HIT_T + i] < ZERO else 0
+    for begin in range(0, origins.shape[0], BLOCK):
+        _trace_block(nodes, packs, tags, frame, origins, directions, t_max, begin, numbers, integers, places, flight, stack, True)
+        for ray in range(min(BLOCK, origins.shape[0] - begin)):
+            dark[first + begin + ray] = 1 if integers[HIT_TRIANGLE + ray] >= 0 else 0
+
+
+@kernel
+def intersect_batch_single(
+    nodes, packs, tags, frame, origins, directions, t_max, t, triangle, u, v, first, numbers, integers, places, flight, stack
+):
+    """As `intersect_batch`, for rays in float32."""
+    intersect_batch(
+        nodes, packs, tags, frame, origins, directions, t_max, t, triangle, u, v, first, numbers, integers, places, flight, stack
+    )  # fmt: skip
+
+
+@kernel
+def occluded_batch_single(nodes, packs, tags, frame, origins, directions, t_max, dark, first, numbers, integers, places, flight, stack):
+    """As `occluded_batch`, for rays in float32."""
+    occluded_batch(nodes, packs, tags, frame, origins, directions, t_max, dark, first, numbers, integers, places, flight, stack)
+
+
+@kernel
+def visits_batch(nodes, packs, tags, frame, origins, directions, t_max, visits, first, any_hit, numbers, integers, places, flight, stack):
+    """Add to `visits` (n, 2) int32 from row `first` how many nodes each ray meets, and triangles, followed by itself."""
+    for begin in range(0, origins.shape[0], BLOCK):
+        n = min(BLOCK, origins.shape[0] - begin)
+        for column in range(0, n, 8):
+            put_rays(numbers, integers, places, column, origins, directions, t_max, begin + column, frame, nodes)
+        if nodes.shape[0] > 0:
+            rows = visits[first + begin : first + begin + n]
+            follow_rays(nodes, packs, tags, numbers, integers, 0, n, flight, stack, any_hit != 0, rows)
             continue
-        for k in range(begin, min(begin + 8, n)):
-            dark[first + k] = 0
-            ray = near_ray(origins, directions, k, frame)
-            end = f32(t_max[k] * ray.length - ray.start)
-            if ray.sound and end > ZERO and occluded(accelerator, instances, ray.o, ray.d, ZERO, end, stack):
-                dark[first + k] = 1
+        for ray in range(n):
+            for pack in range(tags.shape[0] // TAG_WORDS):
+                if numbers[HIT_T + ray] > ZERO:
+                    visits[first + begin + ray, 1] += n_triangles_in(packs, pack)
+                    try_pack(packs, tags, pack, numbers, integers, ray, any_hit != 0)

@@ -66,6 +66,8 @@ _BUILD = Door(
     "the bounding volume hierarchy",
 )
 
+_TURN_BOUNDS = Door("limner.accel.bvh_build", "turn_bounds", (Array(np.float32, 2), Array(np.float32, 1)), "the boxes of a hierarchy")
+
 _BOUND_TRIANGLES = Door(
     "limner.accel.bvh_build", "bound_triangles", (Array(np.float32, 2), Array(np.float32, 2)), "the bounds of triangles"
 )
@@ -189,9 +191,8 @@ def _hierarchy(
     used = np.array([0, n_trees], dtype=np.int64)
     _WIDEN(binary, primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
     n_nodes, n_packs = (int(count) for count in used)
-    return Accelerator(
-        _kept(nodes, NODE_WORDS * n_nodes), _kept(packs, PACK_WORDS * n_packs), _kept(tags, TAG_WORDS * n_packs), primitives, planes
-    )
+    nodes, packs, tags = _cut(nodes, NODE_WORDS * n_nodes), _cut(packs, PACK_WORDS * n_packs), _cut(tags, TAG_WORDS * n_packs)
+    return Accelerator(nodes, packs, tags, primitives, planes)
 
 
 def _binary_tree(bounds: NDArray[np.float32], order: NDArray[np.int32], n_trees: int) -> NDArray[np.void]:
@@ -200,11 +201,8 @@ def _binary_tree(bounds: NDArray[np.float32], order: NDArray[np.int32], n_trees:
     Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree.
     """
     n = len(bounds)
-    boxes = np.zeros((n, 16), dtype=np.float32)
-    np.negative(bounds[:, :3], out=boxes[:, :3])
-    boxes[:, 4:7] = bounds[:, 3:]
-    np.add(bounds[:, :3], bounds[:, 3:], out=boxes[:, 12:15])
-    np.negative(boxes[:, 12:15], out=boxes[:, 8:11])
+    boxes = np.empty((n, 16), dtype=np.float32)
+    _TURN_BOUNDS(bounds, boxes.reshape(-1))
     if n < _MANY or n_trees:
         return _subtree(boxes, order, _LEAF_SIZE, 0, n_trees)
     upper = _subtree(boxes, order, n // _PIECES, 0, 0)
@@ -343,11 +341,13 @@ def _aligned(n: int, dtype: type) -> NDArray[Any]:
     return room[start : start + n]
 
 
-def _kept(array: NDArray[Any], n: int) -> NDArray[Any]:
-    """The first n numbers, without the room behind them."""
-    kept = _aligned(n, array.dtype.type)
-    kept[:] = array[:n]
-    return kept
+def _cut(array: NDArray[Any], n: int) -> NDArray[Any]:
+    """The first n numbers of what `_aligned` made; the room behind them is given back, without a copy. `array` is not to be used again."""
+    room = array.base
+    assert room is not None
+    start = (array.ctypes.data - room.ctypes.data) // array.itemsize
+    room.resize(start + n, refcheck=False)
+    return room[start:]
 
 
 def _visible(tables: SceneTables) -> NDArray[np.bool_]:

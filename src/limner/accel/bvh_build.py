@@ -6,13 +6,13 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
-from ..kernel.lanes import load8, max, min, splat8, store8
+from ..kernel.lanes import at, lane, load8, max, min, put, splat8, store8, where
 from ..kernel.transform import transform_point
 from ..kernel.vec import ZERO, Vec3
 from ..tables.layouts import OPAQUE, SPHERE
 from .layouts import MAX_DEPTH
 
-__all__ = ["bound_triangles", "build_tree", "gather_primitives"]
+__all__ = ["bound_triangles", "build_tree", "gather_primitives", "turn_bounds"]
 
 f32, i32 = np.float32, np.int32
 _BINS = 16
@@ -79,10 +79,22 @@ def bound_triangles(corners, bounds):
 
 
 @kernel
-def _half_area(box, row: int) -> np.float32:
+def turn_bounds(bounds, boxes):
+    """Fill the two rows of each primitive, `boxes` (16 n,), from bounds (n, 6)."""
+    for k in range(bounds.shape[0]):
+        place = 16 * k
+        for axis in range(3):
+            low, high = bounds[k, axis], bounds[k, 3 + axis]
+            boxes[place + axis], boxes[place + 4 + axis] = -low, high
+            boxes[place + 8 + axis], boxes[place + 12 + axis] = -(low + high), low + high
+        boxes[place + 3], boxes[place + 7], boxes[place + 11], boxes[place + 15] = ZERO, ZERO, ZERO, ZERO
+
+
+@kernel
+def _half_area(box) -> np.float32:
     """Half the surface of a box; 0 for an empty one."""
-    x, y, z = box[8 * row + 4] + box[8 * row], box[8 * row + 5] + box[8 * row + 1], box[8 * row + 6] + box[8 * row + 2]
-    return x * y + y * z + z * x if x >= ZERO else ZERO
+    x, y, z = lane(box, 4) + lane(box, 0), lane(box, 5) + lane(box, 1), lane(box, 6) + lane(box, 2)
+    return where(x >= ZERO, x * y + y * z + z * x, ZERO)
 
 
 @kernel
@@ -110,25 +122,36 @@ def _bin_of(c: np.float32, low: np.float32, scale: np.float32) -> int:
 
 
 @kernel
+def _put_in_bins(boxes, i: int, low: Vec3, scale: Vec3, bins, counts):
+    """Sort a primitive into a bin of each axis."""
+    place = 16 * i
+    box = load8(boxes, place)
+    x = _bin_of(at(boxes, place + 12), low.x, scale.x)
+    y = _BINS + _bin_of(at(boxes, place + 13), low.y, scale.y)
+    z = 2 * _BINS + _bin_of(at(boxes, place + 14), low.z, scale.z)
+    _grow(bins, x, box)
+    _grow(bins, y, box)
+    _grow(bins, z, box)
+    put(counts, x, at(counts, x) + 1)
+    put(counts, y, at(counts, y) + 1)
+    put(counts, z, at(counts, z) + 1)
+
+
+@kernel
 def _fill_bins(boxes, first: int, last: int, ranges, row: int, bins, counts):
     """Sort primitives into the bins of all three axes at once: rows 16 axis + bin, boxes and counts."""
     for b in range(3 * _BINS):
         _clear(bins, b)
         counts[b] = 0
-    low_x, low_y, low_z = -ranges[8 * row], -ranges[8 * row + 1], -ranges[8 * row + 2]
-    scale_x, scale_y, scale_z = _scale(ranges, row, 0), _scale(ranges, row, 1), _scale(ranges, row, 2)
-    for i in range(first, last):
-        place = 16 * i
-        box = load8(boxes, place)
-        x = _bin_of(boxes[place + 12], low_x, scale_x)
-        y = _BINS + _bin_of(boxes[place + 13], low_y, scale_y)
-        z = 2 * _BINS + _bin_of(boxes[place + 14], low_z, scale_z)
-        _grow(bins, x, box)
-        _grow(bins, y, box)
-        _grow(bins, z, box)
-        counts[x] += 1
-        counts[y] += 1
-        counts[z] += 1
+    low = Vec3(-ranges[8 * row], -ranges[8 * row + 1], -ranges[8 * row + 2])
+    scale = Vec3(_scale(ranges, row, 0), _scale(ranges, row, 1), _scale(ranges, row, 2))
+    # From both halves by turns: neighbours fall into the same bin, and would wait for each other.
+    half = (last - first) // 2
+    for i in range(first, first + half):
+        _put_in_bins(boxes, i, low, scale, bins, counts)
+        _put_in_bins(boxes, i + half, low, scale, bins, counts)
+    if first + 2 * half < last:
+        _put_in_bins(boxes, last - 1, low, scale, bins, counts)
 
 
 @kernel
@@ -139,47 +162,56 @@ def _best_split(boxes, first: int, last: int, ranges, row: int, bins, counts, co
     for axis in range(3):
         if _scale(ranges, row, axis) == ZERO:
             continue
-        _clear(bins, _RIGHT)
-        n = 0
+        box, n = splat8(-_INFINITY), 0
         for b in range(_BINS - 1, 0, -1):
-            _grow(bins, _RIGHT, load8(bins, 8 * (_BINS * axis + b)))
-            n += counts[_BINS * axis + b]
-            costs[b] = _half_area(bins, _RIGHT) * f32(n)
-        _clear(bins, _LEFT)
-        n = 0
+            box = max(box, load8(bins, 8 * (_BINS * axis + b)))
+            n += at(counts, _BINS * axis + b)
+            put(costs, b, _half_area(box) * f32(n))
+        box, n = splat8(-_INFINITY), 0
         for b in range(_BINS - 1):
-            _grow(bins, _LEFT, load8(bins, 8 * (_BINS * axis + b)))
-            n += counts[_BINS * axis + b]
-            cost = _half_area(bins, _LEFT) * f32(n) + costs[b + 1]
+            box = max(box, load8(bins, 8 * (_BINS * axis + b)))
+            n += at(counts, _BINS * axis + b)
+            cost = _half_area(box) * f32(n) + at(costs, b + 1)
             if cost < best and n > 0 and n < last - first:
                 best, best_axis, best_bin = cost, axis, b
     return best_axis, best_bin
 
 
 @kernel
+def _bound_sides(bins, axis: int, split: int):
+    """Join the bins on either side of a split."""
+    for side, begin, end in ((_LEFT, 0, split + 1), (_RIGHT, split + 1, _BINS)):
+        box = splat8(-_INFINITY)
+        for b in range(begin, end):
+            box = max(box, load8(bins, 8 * (_BINS * axis + b)))
+        store8(bins, 8 * side, box)
+
+
+@kernel
 def _partition(boxes, order, first: int, last: int, ranges, row: int, axis: int, split: int, bins) -> int:
-    """Bring what lies up to a bin to the front; bound both sides, as `_bound` does. Returns where the rest begins."""
+    """Bring what lies up to a bin to the front; bound both sides, as `_bound` does. Returns where the rest begins.
+
+    Each primitive changes places with the first of the rest, also one that stays there: on which side it is cannot be guessed.
+    """
     low, scale = -ranges[8 * row + axis], _scale(ranges, row, axis)
-    for side in range(_LEFT, _RIGHT + 2):
-        _clear(bins, side)
-    i, j = first, last - 1
-    while i <= j:
-        place = 16 * i
-        box, center = load8(boxes, place), load8(boxes, place + 8)
-        if _bin_of(boxes[place + 12 + axis], low, scale) <= split:
-            side = _LEFT
-            i += 1
-        else:
-            side = _RIGHT
-            order[i], order[j] = order[j], order[i]
-            store8(boxes, place, load8(boxes, 16 * j))
-            store8(boxes, place + 8, load8(boxes, 16 * j + 8))
-            store8(boxes, 16 * j, box)
-            store8(boxes, 16 * j + 8, center)
-            j -= 1
-        _grow(bins, side, box)
-        _grow(bins, side + 1, center)
-    return i
+    _bound_sides(bins, axis, split)
+    _clear(bins, _LEFT + 1)
+    _clear(bins, _RIGHT + 1)
+    middle = first
+    for k in range(first, last):
+        here, there = 16 * k, 16 * middle
+        box, center = load8(boxes, here), load8(boxes, here + 8)
+        is_left = _bin_of(at(boxes, here + 12 + axis), low, scale) <= split
+        store8(boxes, here, load8(boxes, there))
+        store8(boxes, here + 8, load8(boxes, there + 8))
+        store8(boxes, there, box)
+        store8(boxes, there + 8, center)
+        number = at(order, k)
+        put(order, k, at(order, middle))
+        put(order, middle, number)
+        _grow(bins, where(is_left, _LEFT + 1, _RIGHT + 1), center)
+        middle += np.int64(is_left)
+    return middle
 
 
 @kernel

@@ -11,9 +11,9 @@ from .._door import Array
 from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
 __all__ = [
-    "ACCELERATOR_ARRAYS", "BUNDLE_INTEGERS", "BUNDLE_NUMBERS", "CORNERS", "ENDS_SHAPE", "FIRST_TREE", "LINKS", "MAX_DEPTH", "NODE",
-    "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACK_SIZE", "TAG_WORDS", "TREE_LINK",
-    "Accelerator",
+    "ACCELERATOR_ARRAYS", "BLOCK", "BLOCK_INTEGERS", "BLOCK_NUMBERS", "BLOCK_PLACES", "CORNERS", "ENDS_SHAPE", "ENTRIES", "FIRST_TREE",
+    "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACKS",
+    "STACK_SIZE", "TAG_WORDS", "TREE_LINK", "WAITING", "Accelerator",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -51,8 +51,20 @@ MAX_DEPTH = 64
 STACK_SIZE = 2 * 2 * (7 * MAX_DEPTH + 8)
 """Room for what waits during a walk, two words each: seven children of every node on the way down, in the world and then in a mesh."""
 
-BUNDLE_NUMBERS, BUNDLE_INTEGERS = 144, 32
-"""Room for eight rays that are traced together (`accel.bundle`), float32 and int32."""
+BLOCK = 64
+"""So many rays of a batch are made ready, and followed, at a time (`accel.ray_block`)."""
+
+BLOCK_NUMBERS, BLOCK_INTEGERS, BLOCK_PLACES = 26 * BLOCK, 7 * BLOCK, 2 * BLOCK
+"""Room for them, float32, int32 and float64."""
+
+WAITING = 7 * MAX_DEPTH + 16
+"""Room for what waits while one of them is followed, and for eight more."""
+
+ENTRIES = BLOCK * WAITING + 528
+"""Where the words begin that say where the ray enters, behind the links; not whole pages away, which the processor takes for one place."""
+
+STACKS = ENTRIES + BLOCK * WAITING
+"""Room for all that waits while a block is followed, int32."""
 
 ENDS_SHAPE = (MAX_LEAVES, ENDS_WIDTH)
 """Shape of the float64 scratch in which a walk counts where a ray is inside the leaves of a combination of solids."""

@@ -9,13 +9,13 @@ import numpy as np
 from .._jit import kernel
 from ..kernel.vec import ONE, ZERO, Vec3
 
-__all__ = ["NearRay", "near_ray"]
+__all__ = ["FAR_SQUARED", "LONGEST", "SHORTEST", "NearRay", "near_ray"]
 
 f32, f64 = np.float32, np.float64
 _NOWHERE = f64(np.inf)
 _NOTHING = f64(0.0)
-_SHORTEST, _LONGEST = f64(1e-12), f64(1e12)  # directions whose reciprocals and products are safe in float32
-_FAR_SQUARED = f64(16.0)  # beyond four radii of its bounding sphere, a mesh is approached before anything is rounded
+SHORTEST, LONGEST = f64(1e-12), f64(1e12)  # directions whose reciprocals and products are safe in float32
+FAR_SQUARED = f64(16.0)  # beyond four radii of its bounding sphere, a mesh is approached before anything is rounded
 
 
 class NearRay(NamedTuple):
@@ -52,14 +52,14 @@ def near_ray(origins, directions, k: int, frame) -> NearRay:
     if greatest == _NOTHING:
         return _no_ray()
     length = f64(1.0)
-    if greatest < _SHORTEST or greatest > _LONGEST:
+    if greatest < SHORTEST or greatest > LONGEST:
         length = greatest
         dx, dy, dz = dx / length, dy / length, dz / length
     cx, cy, cz = frame[4] - ox, frame[5] - oy, frame[6] - oz
     away = cx * cx + cy * cy + cz * cz
     radius_squared = frame[7] * frame[7]
     start = _NOTHING
-    if away > _FAR_SQUARED * radius_squared:
+    if away > FAR_SQUARED * radius_squared:
         squared = dx * dx + dy * dy + dz * dz
         closest = (cx * dx + cy * dy + cz * dz) / squared
         if not away - closest * closest * squared <= f64(1e-9) * away + radius_squared:

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.extending import intrinsic
 
 from ._lane_types import BOOL_LANES, FLOAT_LANES, I1, I8, I32, INT_LANES, BoolLanes, LaneType, eightfold, scalar_for, spread_value
 
 __all__ = [
-    "all_of", "any_of", "count_set", "first_set", "lane", "lanes_of", "mask_of", "splat8", "splat8_int", "spread", "where", "with_lane",
+    "all_of", "any_of", "compressed", "count_set", "first_set", "lane", "lanes_of", "mask_of", "splat8", "splat8_int", "spread", "where",
+    "with_lane",
 ]  # fmt: skip
 
 
@@ -91,6 +92,22 @@ def with_lane(typingctx: Any, v: Any, i: Any, x: Any) -> Any:
 
     fits = isinstance(v, LaneType) and isinstance(i, types.Integer) and isinstance(x, types.Number)
     return (v(v, types.int32, v.element), lower) if fits else None
+
+
+@intrinsic  # type: ignore[misc]
+def compressed(typingctx: Any, v: Any, condition: Any) -> Any:
+    """The lanes of float32 or int32 where the condition holds, moved together to the front; what is behind them may be anything."""
+    if v not in (FLOAT_LANES, INT_LANES) or condition != BOOL_LANES:
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        kind = sig.return_type
+        name = f"llvm.experimental.vector.compress.v8{'f' if kind == FLOAT_LANES else 'i'}32"
+        function_type = ir.FunctionType(kind.vector, [kind.vector, BOOL_LANES.vector, kind.vector])
+        function = cgutils.get_or_insert_function(builder.module, function_type, name)
+        return builder.call(function, [args[0], args[1], ir.Constant(kind.vector, ir.Undefined)])
+
+    return v(v, condition), lower
 
 
 # --- conditions -----------------------------------------------------------------------------------------------------------

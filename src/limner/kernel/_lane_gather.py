@@ -26,9 +26,23 @@ def _scatter(context: Any, builder: Any, array_type: Any, array: Any, index: Any
     return context.get_dummy_value()
 
 
+def _put_one(array: Any, index: Any, v: Any) -> Any:
+    if not (isinstance(array, types.Array) and array.ndim == 1 and array.layout == "C" and array.mutable and isinstance(v, types.Number)):
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        builder.store(args[2], builder.gep(data, [args[1]]))
+        return context.get_dummy_value()
+
+    return types.void(array, types.int64, array.dtype), lower
+
+
 @intrinsic  # type: ignore[misc]
 def put(typingctx: Any, array: Any, index: Any, v: Any) -> Any:
-    """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
+    """Write a number, or eight lanes, to a place, or eight, of a contiguous 1D array; of two in one place the higher lane stays."""
+    if isinstance(index, types.Integer):
+        return _put_one(array, index, v)
     if lanes_in(array) != v or index != INT_LANES or not array.mutable:
         return None
 

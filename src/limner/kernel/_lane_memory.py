@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from ._lane_types import EIGHT, FLOAT_LANES, I8, I32, I64, INT_LANES, LaneType
 
-__all__ = ["add_rows", "add_rows_at", "lanes_in", "load8", "load_rows", "prefetch", "store8", "store_rows", "store_words"]
+__all__ = ["add_rows", "add_rows_at", "lanes_in", "load8", "load_rows", "prefetch", "store8", "store_rows", "store_words", "three_columns"]
 
 
 def lanes_in(array: Any) -> LaneType | None:
@@ -211,3 +211,26 @@ def store_words(typingctx: Any, array: Any, start: Any, step: Any, a: Any, b: An
         return context.get_dummy_value()
 
     return types.void(array, types.int64, types.int64, a, b, c, d), lower
+
+
+@intrinsic  # type: ignore[misc]
+def three_columns(typingctx: Any, array: Any, row: Any) -> Any:
+    """The columns of eight neighbouring rows of a contiguous (n, 3) array of float32 or float64, rounded to float32: three lanes."""
+    fits = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C" and array.dtype in (types.float32, types.float64)
+    if not fits or not isinstance(row, types.Integer):
+        return None
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        data = context.make_array(sig.args[0])(context, builder, args[0]).data
+        element = builder.gep(data, [builder.mul(args[1], I64(3))])
+        kind = ir.VectorType(data.type.pointee, 3 * EIGHT)
+        rows = builder.load(builder.bitcast(element, ir.PointerType(kind)))
+        rows.align = 4
+        columns = []
+        for k in range(3):
+            lanes = ir.Constant(ir.VectorType(I32, EIGHT), list(range(k, 3 * EIGHT, 3)))
+            column = builder.shuffle_vector(rows, rows, lanes)
+            columns.append(column if array.dtype == types.float32 else builder.fptrunc(column, FLOAT_LANES.vector))
+        return context.make_tuple(builder, sig.return_type, columns)
+
+    return types.UniTuple(FLOAT_LANES, 3)(array, types.int64), lower

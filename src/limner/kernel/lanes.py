@@ -30,10 +30,10 @@ import numpy as np
 from .._jit import MODE
 
 __all__ = [
-    "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "count_set", "double", "f32x8", "f64x8", "first_set",
-    "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of", "max",
-    "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8", "to_float",
-    "to_int", "where", "with_lane",
+    "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "compressed", "count_set", "double", "f32x8", "f64x8",
+    "first_set", "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of",
+    "max", "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8",
+    "three_columns", "to_float", "to_int", "where", "with_lane",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -198,6 +198,7 @@ if MODE == "compiled":
     from ._lane_choice import (
         all_of,
         any_of,
+        compressed,
         count_set,
         first_set,
         lane,
@@ -210,7 +211,7 @@ if MODE == "compiled":
         with_lane,
     )
     from ._lane_gather import at, four_bytes, put
-    from ._lane_memory import add_rows, add_rows_at, load8, load_rows, prefetch, store8, store_rows, store_words
+    from ._lane_memory import add_rows, add_rows_at, load8, load_rows, prefetch, store8, store_rows, store_words, three_columns
     from ._lane_numbers import double, highest, int32, long8, lowest, single, sum8, to_float, to_int
     from ._lane_operators import register
 
@@ -248,6 +249,10 @@ else:
             return value
         return _kind_of(value)(np.full(8, value))
 
+    def compressed(v: Any, condition: bool8) -> Any:
+        """The lanes of float32 or int32 where the condition holds, moved together to the front; what is behind them may be anything."""
+        return v._with(np.concatenate([v.values[condition.values], v.values[~condition.values]]))
+
     def any_of(condition: Any) -> bool:
         """Whether a condition holds for the one, or for any of eight."""
         return bool(condition.values.any()) if isinstance(condition, bool8) else bool(condition)
@@ -271,6 +276,11 @@ else:
     def store8(array: np.ndarray, offset: int, v: Any) -> None:
         """Write eight lanes to a contiguous 1D array of their kind, from `offset` on."""
         array[offset : offset + 8] = v.values
+
+    def three_columns(array: np.ndarray, row: int) -> tuple[f32x8, f32x8, f32x8]:
+        """The columns of eight neighbouring rows of a contiguous (n, 3) array of float32 or float64, rounded to float32: three lanes."""
+        x, y, z = (f32x8(column) for column in array[row : row + 8].T)
+        return x, y, z
 
     def splat8(x: np.float32) -> f32x8:
         """Eight times the float x."""
@@ -306,8 +316,11 @@ else:
         """Write (a, b, c, d) of each lane to eight neighbouring rows of a contiguous (n, 4) float32 array, from `row` on."""
         array[row : row + 8] = np.stack([a.values, b.values, c.values, d.values], axis=1)
 
-    def put(array: np.ndarray, index: i32x8, v: Any) -> None:
-        """Write eight lanes to eight places of a contiguous 1D array of their kind; of two in one place the higher lane stays."""
+    def put(array: np.ndarray, index: Any, v: Any) -> None:
+        """Write a number, or eight lanes, to a place, or eight, of a contiguous 1D array; of two in one place the higher lane stays."""
+        if not isinstance(index, _Lanes):
+            array[index] = v
+            return
         for place, value in zip(index.values, v.values, strict=True):
             array[place] = value
 

@@ -12,7 +12,6 @@ from limner import _jit
 from limner.accel.bsp import Bsp, build_bsp
 from limner.accel.grid import build_grid
 from limner.accel.volume_tree import build_volume_tree
-from limner.errors import UnsupportedError
 from limner.raycaster import RayCaster
 
 N = 300 if _jit.MODE == "compiled" else 40
@@ -149,7 +148,7 @@ def test_a_ray_through_an_empty_row_of_cells_visits_each_once() -> None:
     assert nx <= aslant.nodes[0] <= nx + 4
 
 
-@pytest.mark.parametrize("kind", ["grid", "bsp", "volume_tree"])
+@pytest.mark.parametrize("kind", ["bvh", "grid", "bsp", "volume_tree"])
 def test_a_walk_ends_at_the_first_hit(kind: Any) -> None:
     """Of a hundred sheets, one behind the other, a ray meets the first few only; and any hit costs no more than the nearest."""
     x = np.arange(100.0)[:, None, None]
@@ -164,14 +163,15 @@ def test_a_walk_ends_at_the_first_hit(kind: Any) -> None:
         assert nothing.triangles[0] == 0
 
 
-def test_visits_are_counted_of_walks_only() -> None:
-    """The list and the tree of eight children do not count, and say who does; rays that are none visit nothing."""
-    for kind in ("bvh", "linear"):
-        with pytest.raises(UnsupportedError, match='with accelerator="grid", "bsp" or "volume_tree"'):
-            caster_of(soup(20), kind).visits((0, 0, 0), (0, 0, 1))
-    seen = caster_of(soup(20), "bsp").visits(np.full((2, 3, 3), np.nan), (0, 0, 1))
-    assert seen.nodes.shape == seen.triangles.shape == (2, 3)
-    assert seen.nodes.sum() == 0
+def test_who_tries_all_visits_all_and_rays_that_are_none_nothing() -> None:
+    """The list meets every triangle and no box, and so does a tree that is too small to be one; a NaN meets nothing."""
+    for kind, n in (("linear", 20), ("bvh", 5)):
+        seen = caster_of(soup(n), kind).visits((0, 0, 0), (0, 0, 1))
+        assert (seen.nodes[0], seen.triangles[0]) == (0, n)
+    for kind in ("bsp", "bvh", "linear"):
+        seen = caster_of(soup(20), kind).visits(np.full((2, 3, 3), np.nan), (0, 0, 1))
+        assert seen.nodes.shape == seen.triangles.shape == (2, 3)
+        assert seen.nodes.sum() == seen.triangles.sum() == 0
 
 
 @pytest.mark.compiled
@@ -179,7 +179,7 @@ def test_the_cost_grows_slowly() -> None:
     """Sixteen times as many triangles of a sixteenth of the area: less than three times as much is looked at."""
     random = np.random.default_rng(0)
     origins, directions = random.uniform(-2, 2, (500, 3)), random.normal(size=(500, 3))
-    for kind in ("bsp", "volume_tree", "grid"):
+    for kind in ("bvh", "bsp", "volume_tree", "grid"):
         few, many = (caster_of(soup(n, 0.8 / n**0.5), kind).visits(origins, directions) for n in (500, 8000))
         assert many.nodes.sum() + many.triangles.sum() < 3 * (few.nodes.sum() + few.triangles.sum())
 

@@ -12,6 +12,7 @@ from limner.kernel.lanes import (
     all_of,
     any_of,
     at,
+    compressed,
     count_set,
     first_set,
     four_bytes,
@@ -116,6 +117,20 @@ def test_first_and_count_of_every_mask() -> None:
     np.testing.assert_array_equal(first, np.where(masks == 0, 32, np.argmax(bits, axis=1)))
     np.testing.assert_array_equal(count, bits.sum(1))
     np.testing.assert_array_equal(rest, np.maximum(count - 1, 0))
+
+
+def _compressions(a, masks, out):
+    for k in range(masks.shape[0]):
+        store8(out, 8 * k, compressed(load8(a, 0), lanes_of(masks[k])))
+
+
+def test_what_is_compressed_keeps_its_order() -> None:
+    """All 256 masks: the chosen lanes in front, as they stood."""
+    a, masks, out = np.arange(8, dtype=np.float32), np.arange(256, dtype=np.int32), np.zeros(8 * 256, np.float32)
+    door_of(_compressions, FLOATS, MASKS, FLOATS)(a, masks, out)
+    for mask, row in zip(masks, out.reshape(256, 8), strict=True):
+        chosen = a[(mask >> np.arange(8)) & 1 == 1]
+        np.testing.assert_array_equal(row[: len(chosen)], chosen)
 
 
 def _selections(a, b, masks, out):
@@ -282,6 +297,7 @@ def _memory(rows, data, out, scattered):
     out[16] = four_bytes(data, 4, 1)
     out[17] = at(data, 5)
     put(scattered, index, index * 10 + 1)
+    put(scattered, 4, data[2])
     wide = long8(index + 65536) * long8(index + 65536)
     out[18] = mask_of(wide > 2**32 + 3 * 2**18)
 
@@ -296,5 +312,5 @@ def test_gathers_scatters_and_long_lanes() -> None:
     np.testing.assert_array_equal(out[:8], words[rows])
     np.testing.assert_array_equal(out[8:16], data[rows])
     assert (out[16], out[17]) == (words[1], data[5])
-    np.testing.assert_array_equal(scattered, [1, 11, 21, 31, 0, 51, 61, 71])
+    np.testing.assert_array_equal(scattered, [1, 11, 21, 31, data[2], 51, 61, 71])
     assert out[18] == np.packbits((rows.astype(np.int64) + 65536) ** 2 > 2**32 + 3 * 2**18, bitorder="little")[0]

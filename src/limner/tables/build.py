@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..scene.texture import AnyTexture
 from . import layouts
 from .camera import camera_record, near_and_far, raster_from_world
 from .exact import Numbers, fill_shape, leaves_and_program, materials_of
-from .frames import with_frames
+from .frames import framed_alike, with_frames
 from .layers import attenuation_of, dielectric_f0, dispersion_of, fill_layers, fill_rough_matte, fills_shape
 from .layouts import SceneTables
 from .relief import Reliefs
@@ -89,6 +89,8 @@ class Built(NamedTuple):
         What could not be made as it was asked for.
     is_for_all : bool
         Whether every camera would have got the same: nothing is cut to a pixel's size, and nothing is lit from where it stands.
+    n_keys : mapping of int to int
+        Of the rows of meshes that bend while the shutter is open, how many keys they have; the others' rows follow the first one's.
     """
 
     tables: SceneTables
@@ -99,6 +101,7 @@ class Built(NamedTuple):
     reliefs: Reliefs
     notes: tuple[str, ...]
     is_for_all: bool
+    n_keys: Mapping[int, int]
 
 
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
@@ -108,7 +111,8 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
 
 @np.errstate(over="ignore", invalid="ignore")  # what float32 cannot hold becomes infinite, and is left out later
 def flatten(
-    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True, time: float = 0.0
+    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True, time: float = 0.0,
+    bent: Mapping[Mesh, tuple[Mesh, ...]] | None = None,
 ) -> Built:
     """Flatten a scene.
 
@@ -126,13 +130,15 @@ def flatten(
         leaves, which rays need.
     time : float
         When to look at what moves.
+    bent : mapping of Mesh to tuple of Mesh, optional
+        What meshes of the scene turn into until the shutter closes: `limner.scene.bending.bent_meshes`.
     """
     materials, first_material = _material_rows(scene)
     shapes = scene.shapes(time)
     sight = Sight(camera.standing(time), width, height, scene.bounds())
     stand_ins = StandIns(None if previous is None else previous.stand_ins)
     reliefs = Reliefs(None if previous is None else previous.reliefs)
-    meshes = _Meshes()
+    meshes = _Meshes(bent or {})
     numbers, programs = Numbers(), Numbers()
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
     _place(instances, _matrices([placed.world_from_object for placed, _ in shapes]))
@@ -182,14 +188,16 @@ def flatten(
         _light_table(scene, time), texture_table, texels,
     )  # fmt: skip
     is_for_all = stand_ins.is_empty and reliefs.is_empty and not any(isinstance(material, CoolToWarm) for material in materials)
-    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes, is_for_all)
+    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes, is_for_all, meshes.n_keys)
 
 
 class _Meshes:
     """The meshes of a scene in the order of their first use."""
 
-    def __init__(self) -> None:
+    def __init__(self, bent: Mapping[Mesh, tuple[Mesh, ...]]) -> None:
         self.found: list[Mesh] = []
+        self.n_keys: dict[int, int] = {}
+        self._bent = bent
         self._rows: dict[int, int] = {}
         self._of_shapes: dict[tuple[int, int], int] = {}
 
@@ -201,6 +209,10 @@ class _Meshes:
             if id(framed) not in self._rows:
                 self._rows[id(framed)] = len(self.found)
                 self.found.append(framed)
+                later = self._bent.get(mesh, ())
+                if later:
+                    self.n_keys[self._rows[id(framed)]] = 1 + len(later)
+                    self.found.extend(framed_alike(key, framed, mesh, materials_of(shape)) for key in later)
             self._of_shapes[key] = self._rows[id(framed)]
         return self._of_shapes[key]
 

@@ -93,6 +93,7 @@ def test_each_ray_meets_the_mesh_of_its_time():
     assert n_hits > 40
 
 
+@SLOW_AS_PYTHON
 @BOTH
 def test_a_widening_square_ends_in_a_ramp(renderer):
     """Closed form: a place that the edge, at constant speed, passes at time s is covered for 1 - s of the time."""

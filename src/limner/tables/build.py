@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -32,6 +32,7 @@ from .textures import asks_for_detail, mean_color, texture_tables
 
 __all__ = ["Built", "View", "build", "flatten", "media_table", "names", "view"]
 
+_ROWS_AT_ONCE = 1 << 13
 _INFINITE_IOR = 1e6  # reflects all but a few millionths
 _ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
 
@@ -59,8 +60,11 @@ def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: 
     camera = camera.standing(time)
     near, far = near_and_far(camera, scene.bounds())
     to_raster = raster_from_world(camera, width, height, near, far)
-    places = np.array([placed.world_from_object for placed, _ in scene.shapes(time)]).reshape(-1, 4, 4)
-    return View(camera_record(camera, width, height, near, far), (to_raster @ places).astype(np.float32))
+    shapes = scene.shapes(time)
+    raster_from_object = np.empty((len(shapes), 4, 4), dtype=np.float32)
+    for part in _parts(len(shapes)):
+        raster_from_object[part] = to_raster @ _matrices([placed.world_from_object for placed, _ in shapes[part]])
+    return View(camera_record(camera, width, height, near, far), raster_from_object)
 
 
 def names(scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -141,16 +145,23 @@ def flatten(
     meshes = _Meshes(bent or {})
     numbers, programs = Numbers(), Numbers()
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
-    _place(instances, _matrices([placed.world_from_object for placed, _ in shapes]))
+    for part in _parts(len(shapes)):
+        _place(instances[part], _matrices([placed.world_from_object for placed, _ in shapes[part]]))
     instances["owner"] = np.arange(len(shapes))
     instances["material"] = [first_material[id(shape)] for _, shape in shapes]
     leaves: list[NDArray[np.void]] = []
-    for row, (placed, shape) in zip(instances, shapes, strict=True):
+    plain: dict[int, int] = {}
+    for k, (placed, shape) in enumerate(shapes):
+        if id(shape) in plain:
+            # What a scene may have a hundred thousand of.
+            continue
+        row = instances[k]
         if isinstance(shape, LampShape):
             row["lamp"] = shape.light + 1
         if isinstance(shape.geometry, Mesh) and shape.displacement is None:
-            # What a scene may have a hundred thousand of.
             row["mesh"] = meshes.row(shape, shape.geometry)
+            if not isinstance(shape, LampShape):
+                plain[id(shape)] = int(row["mesh"])
             continue
         matrix = placed.world_from_object
         if shape.displacement is not None:
@@ -167,7 +178,8 @@ def flatten(
             if shape.displacement is not None:
                 mesh = reliefs.get(shape, mesh, matrix, inverse(matrix), sight, placed.path)
             row["mesh"] = meshes.row(shape, mesh)
-    instances = np.concatenate([instances, *leaves])
+    instances["mesh"] = [plain.get(id(shape), mesh) for (_, shape), mesh in zip(shapes, instances["mesh"].tolist(), strict=True)]
+    instances = np.concatenate([instances, *leaves]) if leaves else instances
     detailed = {id(shape): any(map(_is_detailed, materials_of(shape))) for shape in {id(shape): shape for _, shape in shapes}.values()}
     instances["detailed"] = np.array([detailed[id(shape)] for _, shape in shapes], dtype=np.int32)[instances["owner"]]
     textures: dict[AnyTexture, int] = {}
@@ -215,6 +227,11 @@ class _Meshes:
                     self.found.extend(framed_alike(key, framed, mesh, materials_of(shape)) for key in later)
             self._of_shapes[key] = self._rows[id(framed)]
         return self._of_shapes[key]
+
+
+def _parts(n: int) -> Iterator[slice]:
+    """Some thousand rows of n after the other: float64 matrices of all at once would take more room than what is made of them."""
+    return (slice(start, start + _ROWS_AT_ONCE) for start in range(0, n, _ROWS_AT_ONCE))
 
 
 def _matrices(places: list[NDArray[np.float64]]) -> NDArray[np.float64]:

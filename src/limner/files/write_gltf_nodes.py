@@ -146,7 +146,7 @@ class Graph:
         """Where a node stands, as one node says it or two, and its parts where it is animated."""
         matrix = node.place()
         if path in self._moving:
-            rest = nearest_parts(matrix)
+            rest = parts_of(matrix) or nearest_parts(matrix)
             if _shear(matrix) > _SHEAR:
                 self._notes.add("is animated, which leaves out the shear it has at rest", path)
             kept = {name: value for name, value in self._moving[path].items() if np.allclose(value, getattr(rest, name), 1e-6, 1e-6)}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from limner._door import Array
 from limner._jit import kernel
 from limner.accel import bvh
-from limner.accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE
+from limner.accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE, Accelerator
 from limner.accel.own_space import FEW_COPIES
 from limner.accel.walk import nearest, occluded
 from limner.kernel.vec import Vec3
@@ -19,8 +19,9 @@ from limner.scene.camera import PerspectiveCamera
 from limner.scene.scene import Scene
 from limner.tables import layouts
 from limner.tables.build import flatten
+from limner.tables.layouts import SceneTables
 
-__all__ = ["Hits", "cast"]
+__all__ = ["Hits", "cast", "cast_at"]
 
 
 class Hits(NamedTuple):
@@ -49,6 +50,13 @@ def cast(
 ) -> Hits:  # fmt: skip
     """What each ray of a test meets in a scene."""
     tables = flatten(scene, PerspectiveCamera(), 64, 48, tessellate=False).tables
+    return cast_at(tables, bvh.build(tables, kind, few_copies=few_copies), origins, directions, t_min, t_max)
+
+
+def cast_at(
+    tables: SceneTables, tree: Accelerator, origins: Any, directions: Any, t_min: float = 0.0, t_max: float = np.inf
+) -> Hits:
+    """What each ray of a test meets in tables, at the time at which their instances are."""
     rays = np.zeros((len(np.atleast_2d(directions)), 8), dtype=np.float32)
     rays[:, 0:3], rays[:, 3:6], rays[:, 6], rays[:, 7] = origins, directions, t_min, t_max
     numbers, ids = np.zeros((len(rays), 3), np.float32), np.zeros((len(rays), 3), np.int32)
@@ -57,5 +65,5 @@ def cast(
         Array(np.int32, 1), Array(np.float64, 2), Array(np.float32, 2), Array(np.int32, 2),
     )  # fmt: skip
     scratch = np.empty(STACK_SIZE, np.int32), np.empty(ENDS_SHAPE)
-    door(tables.instances, tables.attributes, tables.slots, *bvh.build(tables, kind, few_copies=few_copies), rays, *scratch, numbers, ids)
+    door(tables.instances, tables.attributes, tables.slots, *tree, rays, *scratch, numbers, ids)
     return Hits(*numbers.T, ids[:, 0], ids[:, 1], ids[:, 2] == 1)

@@ -21,6 +21,7 @@ from ..intersect.csg_program import program_bounds
 from ..tables import layouts as tables_layouts
 from ..tables.layouts import BOX, CSG, DISK, MESH, PLANE, SPHERE, Instants, SceneTables
 from ..tiles import run_all, thread_count
+from .bending import bounds_of_keys, trees_of_keys
 from .layouts import (
     CORNERS,
     FIRST_TREE,
@@ -128,7 +129,7 @@ def build(
         widen_moving(primitives, bounds, tables, instants)
     if not groups:
         return build_over(primitives, corners, bounds, planes, accelerator)
-    trees = [_tree_of_mesh(tables, int(rows[0])) for rows in groups]
+    trees = [_trees_of_mesh(tables, int(rows[0]), _n_keys(tables, int(rows[0]), instants)) for rows in groups]
     return _with_trees((primitives, corners, bounds), planes, groups, trees, tables, instants)
 
 
@@ -267,33 +268,50 @@ def _rooted(
     return make(primitives, corners, bounds, planes, n_trees)
 
 
-def _tree_of_mesh(tables: SceneTables, row: int) -> Accelerator | None:
-    """The tree of an instance's mesh in its own space, as nobody's; None where all of it is no numbers."""
+def _n_keys(tables: SceneTables, row: int, instants: Instants | None) -> int:
+    """How many keys an instance's mesh has: 1, unless it bends while the shutter is open."""
+    column = np.flatnonzero(instants.moving == row) if instants is not None else ()
+    if instants is None or not len(column):
+        return 1
+    return int(instants.instances["key"][column[0] :: len(instants.moving)].max()) + 1
+
+
+def _trees_of_mesh(tables: SceneTables, row: int, n_keys: int) -> list[Accelerator]:
+    """The tree of an instance's mesh in its own space, as nobody's, for each of its keys; none where all of it is no numbers."""
     own = tables.instances[row : row + 1].copy()
     own["world_from_object"], own["flipped"] = np.eye(3, 4, dtype=np.float32), 0
     places = np.array([0, tables.meshes["n_triangles"][own["mesh"][0]]], dtype=np.int64)
     primitives, corners, bounds = _gathered(tables, own, places)
-    return _rooted(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), 0) if len(primitives) else None
+    if not len(primitives):
+        return []
+    keys = [corners]
+    for _ in range(1, n_keys):
+        own["mesh"] += 1
+        _, corners, box = _gathered(tables, own, places)
+        keys.append(corners)
+        bounds[:, :3], bounds[:, 3:] = np.minimum(bounds[:, :3], box[:, :3]), np.maximum(bounds[:, 3:], box[:, 3:])
+    tree = _rooted(primitives, keys[0], bounds, np.zeros(0, dtype=PRIMITIVE), 0)
+    return trees_of_keys(tree, keys) if n_keys > 1 else [tree]
 
 
 def _with_trees(
     resting: tuple[NDArray[np.void], NDArray[np.float32], NDArray[np.float32]],
     planes: NDArray[np.void],
     groups: list[NDArray[np.int64]],
-    trees: list[Accelerator | None],
+    trees: list[list[Accelerator]],
     tables: SceneTables,
     instants: Instants | None,
 ) -> Accelerator:
     """The tree over what rests in the world and over the trees of meshes, and these behind it."""
-    roots, boxes, sound = [], [], []
-    for rows, tree in zip(groups, trees, strict=True):
-        if tree is not None:
+    roots, boxes, sound = [], [], list[Accelerator]()
+    for rows, keys in zip(groups, trees, strict=True):
+        if keys:
             root = np.zeros(len(rows), dtype=PRIMITIVE)
-            root["instance"], root["opaque"] = rows, tree.primitives["opaque"].any()
+            root["instance"], root["opaque"] = rows, keys[0].primitives["opaque"].any()
             root["triangle"] = len(sound)
             roots.append(root)
-            boxes.append(swept_bounds(tree.nodes[CORNERS : CORNERS + 6].view(np.float32), rows, tables, instants))
-            sound.append(tree)
+            boxes.append(swept_bounds(bounds_of_keys(keys), rows, tables, instants))
+            sound.extend(keys)
     primitives, corners, bounds = resting
     standing, places = np.concatenate([*roots, primitives[:0]]), np.concatenate([*boxes, bounds[:0]])
     finite = np.isfinite(places).all(axis=1)

@@ -12,8 +12,8 @@ from ..intersect.layouts import ENDS_WIDTH, MAX_LEAVES
 
 __all__ = [
     "ACCELERATOR_ARRAYS", "BLOCK", "BLOCK_INTEGERS", "BLOCK_NUMBERS", "BLOCK_PLACES", "CORNERS", "ENDS_SHAPE", "ENTRIES", "FIRST_TREE",
-    "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT", "PACK_WORDS", "PRIMITIVE", "STACKS",
-    "STACK_SIZE", "TAG_WORDS", "TREE_LINK", "WAITING", "Accelerator",
+    "KEY_NODES", "KEY_PACKS", "LINKS", "MAX_DEPTH", "NODE", "NODE_WORDS", "NOT_OPAQUE", "NOT_PLAIN", "ONLY_BACK", "ONLY_FRONT",
+    "PACK_WORDS", "PRIMITIVE", "STACKS", "STACK_SIZE", "TAG_WORDS", "TREE_LINK", "WAITING", "Accelerator",
 ]  # fmt: skip
 
 f32, i32 = np.float32, np.int32
@@ -87,7 +87,8 @@ class Accelerator(NamedTuple):
         Of each node, the root first, as bits of float32: eight low x of its children's boxes, eight low y, low z, high x, high y, high z,
         infinity and -infinity for children that there are not; then eight links, >= 0 a node, < 0 a pack: -1 - 2 pack, less 1 where
         not all of it are triangles, or the tree of a primitive: TREE_LINK - its row; then, of a root alone, the low and the high corner
-        of everything. No nodes: the packs are tried one after the other.
+        of everything; then, of a root of a mesh that bends, how many nodes and how many packs further on the next key's are, of which
+        the one's boxes hold the other's triangles, too. No nodes: the packs are tried one after the other.
     packs : (72 m,) float32
         Of each pack, eight x of the first vertex, eight y, eight z, those of the second and of the third; NaN where there is no triangle.
     tags : (16 m,) int32
@@ -105,7 +106,7 @@ class Accelerator(NamedTuple):
     planes: NDArray[np.void]
 
 
-NODE_WORDS, LINKS, CORNERS, PACK_WORDS, TAG_WORDS = 64, 48, 56, 72, 16
+NODE_WORDS, LINKS, CORNERS, KEY_NODES, KEY_PACKS, PACK_WORDS, TAG_WORDS = 64, 48, 56, 62, 63, 72, 16
 
 # What a pack says of its primitives
 ONLY_FRONT, ONLY_BACK, NOT_OPAQUE, NOT_PLAIN = 1, 2, 4, 8

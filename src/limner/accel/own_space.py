@@ -23,7 +23,7 @@ FEW_COPIES = 1 << 18
 _COARSE = 33  # instants at which each primitive is looked at; the others' are bounded by how they differ from these
 _MARGIN = 1e-6
 _LEAST_SHARED = 32
-_ROWS_AT_ONCE = 1 << 16
+_ROWS_AT_ONCE = 1 << 13
 
 
 def groups_of(tables: SceneTables, instants: Instants | None, few_copies: int = FEW_COPIES) -> list[NDArray[np.int64]]:
@@ -46,8 +46,7 @@ def groups_of(tables: SceneTables, instants: Instants | None, few_copies: int = 
     # What a tree knows of a material; where a mesh has several, the first of them stands for all.
     look = 2 * (tables.materials["double_sided"][material] != 0) + (tables.materials["alpha_mode"][material] == OPAQUE)
     look = np.where(tables.meshes["slot"][mesh] >= 0, 4 + material, look)
-    _, group = np.unique(np.stack([mesh, look], axis=1), axis=0, return_inverse=True)
-    group = group.ravel()
+    _, group = np.unique(mesh * (int(look.max()) + 1) + look, return_inverse=True)
     moves = np.isin(instances["owner"][rows], instants.moving) if instants is not None else np.zeros(len(rows), dtype=np.bool_)
     n_resting = np.bincount(group[~moves], minlength=int(group.max()) + 1)
     sizes = np.zeros(len(n_resting), dtype=np.int64)
@@ -71,6 +70,8 @@ def swept_bounds(box: NDArray[np.float32], rows: NDArray[np.int64], tables: Scen
         In the mesh's space.
     rows : (n,) int64
         Instances of it.
+
+    **Source**: of a box that rests, each axis by itself: Arvo, *Transforming axis-aligned bounding boxes*, Graphics Gems, 1990.
     """
     corners = box_corners(box[None].astype(np.float64))[0]
     bounds = np.empty((len(rows), 6), dtype=np.float32)
@@ -78,9 +79,10 @@ def swept_bounds(box: NDArray[np.float32], rows: NDArray[np.int64], tables: Scen
     for start in range(0, len(rows), _ROWS_AT_ONCE):
         part = slice(start, start + _ROWS_AT_ONCE)
         turn, shift = places[part, :, :3], places[part, :, 3]
-        moved = np.einsum("nij,cj->nci", turn, corners) + shift[:, None]
+        at_low, at_high = turn * corners[0], turn * corners[-1]
         margin = _MARGIN * (np.abs(turn) @ np.abs(corners).max(axis=0) + np.abs(shift))
-        bounds[part, :3], bounds[part, 3:] = moved.min(axis=1) - margin, moved.max(axis=1) + margin
+        bounds[part, :3] = np.minimum(at_low, at_high).sum(axis=2) + shift - margin
+        bounds[part, 3:] = np.maximum(at_low, at_high).sum(axis=2) + shift + margin
     if instants is not None and len(instants.moving):
         columns = {int(row): column for column, row in enumerate(instants.moving)}
         for k in np.flatnonzero(np.isin(tables.instances["owner"][rows], instants.moving)):

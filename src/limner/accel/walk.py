@@ -13,7 +13,7 @@ from ..intersect.distance_field import intersect_distance_field
 from ..intersect.layouts import CSG, DISTANCE_FIELD
 from ..intersect.shape import intersect_shape
 from ..intersect.surface_code import surface_code
-from ..intersect.triangle import TurnedRay, hit_triangle, turned_ray
+from ..intersect.triangle import TriangleHit, TurnedRay, hit_triangle, turned_ray
 from ..kernel.elementary import as_float, as_int
 from ..kernel.lanes import any_of, first_set, lane, load8, lowest, mask_of, prefetch, where
 from ..kernel.transform import transform_point, transform_vector
@@ -22,6 +22,8 @@ from ..shading.analytic import hit_analytic, meets_outside
 from .layouts import (
     CORNERS,
     FIRST_TREE,
+    KEY_NODES,
+    KEY_PACKS,
     LINKS,
     NODE_WORDS,
     NOT_OPAQUE,
@@ -55,6 +57,16 @@ class Hit(NamedTuple):
     triangle: int
     u: np.float32
     v: np.float32
+
+
+class _Bend(NamedTuple):
+    """How a mesh bends: how far behind its packs those of the next key stand, 0 where it does not, and the share of the way to them."""
+
+    later: int
+    share: np.float32
+
+
+_NO_BEND = _Bend(0, ZERO)
 
 
 @kernel
@@ -120,7 +132,12 @@ def pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hi
     a = Vec3(load8(packs, x), load8(packs, y), load8(packs, z))
     b = Vec3(load8(packs, x + 24), load8(packs, y + 24), load8(packs, z + 24))
     c = Vec3(load8(packs, x + 48), load8(packs, y + 48), load8(packs, z + 48))
-    h = hit_triangle(ray, a, b, c, t_min, best.t)
+    return _nearest_of_eight(hit_triangle(ray, a, b, c, t_min, best.t), tags, pack, owner, best, both_sides, opaque_only)
+
+
+@kernel
+def _nearest_of_eight(h: TriangleHit, tags, pack: int, owner: int, best: Hit, both_sides, opaque_only) -> Hit:
+    """The nearer of `best` and what eight triangles say of a ray."""
     met = h.t < best.t
     if any_of(met):
         tag = load8(tags, TAG_WORDS * pack)
@@ -135,6 +152,47 @@ def pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hi
             row = TAG_WORDS * pack + i
             return Hit(nearest_t, owner + (np.int64(tags[row]) >> 4), np.int64(tags[row + 8]), lane(h.u, i), lane(h.v, i))
     return best
+
+
+@kernel
+def _between(packs, now: int, later: int, share: np.float32):
+    """Eight numbers on their way from one key to the next."""
+    a = load8(packs, now)
+    return a + (load8(packs, now + later) - a) * share
+
+
+@outlined
+def _bent_pack_hit(packs, tags, pack: int, bend: _Bend, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
+    """As `pack_hit`, of a mesh that bends, at its instance's time."""
+    place, later, share = PACK_WORDS * pack, bend.later, bend.share
+    x, y, z = place + 8 * ray.kx, place + 8 * ray.ky, place + 8 * ray.kz
+    a = Vec3(_between(packs, x, later, share), _between(packs, y, later, share), _between(packs, z, later, share))
+    b = Vec3(_between(packs, x + 24, later, share), _between(packs, y + 24, later, share), _between(packs, z + 24, later, share))
+    c = Vec3(_between(packs, x + 48, later, share), _between(packs, y + 48, later, share), _between(packs, z + 48, later, share))
+    return _nearest_of_eight(hit_triangle(ray, a, b, c, t_min, best.t), tags, pack, owner, best, both_sides, opaque_only)
+
+
+@kernel
+def _hit_of_triangles(
+    exact, packs, tags, pack: int, bend: _Bend, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only,
+) -> Hit:
+    """The nearer of `best` and the triangles of a pack; whether a door knows of what bends, the compiler knows."""
+    if exact is not None:
+        if bend.later > 0:
+            return _bent_pack_hit(packs, tags, pack, bend, ray, owner, t_min, best, both_sides, opaque_only)
+    return pack_hit(packs, tags, pack, ray, owner, t_min, best, both_sides, opaque_only)
+
+
+@kernel
+def _bend_of(exact, nodes, instance, root: int):
+    """The root of an instance's tree at its time, and how it bends."""
+    if exact is not None:
+        if instance["key"] > 0:
+            place = NODE_WORDS * root
+            later = PACK_WORDS * np.int64(nodes[place + KEY_PACKS])
+            root = root + np.int64(nodes[place + KEY_NODES]) * (np.int64(instance["key"]) - 1)
+            return root, _Bend(later, instance["share"])
+    return root, _NO_BEND
 
 
 @outlined
@@ -246,6 +304,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
         return best
     in_world = _line(nodes, 0, o, d)
     line, owner, current, top = in_world, 0, 0, 0
+    bend = _NO_BEND
     while True:
         enter, entered = _met_boxes(nodes, current, line, t_min, best.t)
         link = _NOWHERE
@@ -259,19 +318,20 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
         while link < 0:
             if link > TREE_LINK:
                 pack = (-1 - link) >> 1
-                best = pack_hit(packs, tags, pack, line.turned, owner, t_min, best, both_sides, opaque_only)
+                best = _hit_of_triangles(exact, packs, tags, pack, bend, line.turned, owner, t_min, best, both_sides, opaque_only)
                 if link & 1 == 0:
                     best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
                 if any_hit and best.instance != -1:
                     return best
             elif link == _LEAVE:
-                line, owner = in_world, 0
+                line, owner, bend = in_world, 0, _NO_BEND
             elif link != _NOWHERE:
                 p = primitives[TREE_LINK - link]
                 if not (opaque_only and p["opaque"] == 0):
                     stack[2 * top], stack[2 * top + 1] = _LEAVE, 0
                     top += 1
-                    link, owner = FIRST_TREE - np.int64(p["triangle"]), np.int64(p["instance"])
+                    owner = np.int64(p["instance"])
+                    link, bend = _bend_of(exact, nodes, instances[owner], FIRST_TREE - np.int64(p["triangle"]))
                     line = _line_within(nodes, instances[owner], link, o, d)
                     break
             while True:

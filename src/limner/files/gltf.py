@@ -404,10 +404,8 @@ class _Reader:
                 raise attributes.error(f"exceeds the limit of {self._limits.max_nodes} nodes (max_nodes)")
             default = {"TRANSLATION": (0.0, 0.0, 0.0), "ROTATION": (0.0, 0.0, 0.0, 1.0), "SCALE": (1.0, 1.0, 1.0)}
             rows = [read[key].astype(np.float64) if key in read else np.tile(default[key], (n_instances, 1)) for key in default]
-            return tuple(
-                Node(name=f"instance {i}", parent_from_node=compose_trs(t, r, s), shapes=shapes)
-                for i, (t, r, s) in enumerate(zip(*rows, strict=True))
-            )
+            places = compose_trs(*rows)
+            return tuple(Node(name=f"instance {i}", parent_from_node=place, shapes=shapes) for i, place in enumerate(places))
         except LimnerError as error:
             self._notes.slip(f"{node.pointer} shows its mesh once: {without_path(error)}")
             return None

@@ -19,6 +19,7 @@ from .accessors import Accessors
 from .document import Element
 from .gltf_material import turned_transform
 from .gltf_material_parts import DISPERSION, IOR, NORMAL_SCALE, PARTS
+from .gltf_tracks import dense, together
 from .notes import Notes, quoted, without_path
 
 __all__ = ["Animations", "Names"]
@@ -47,6 +48,14 @@ _PLAIN = {
     **{f"extensions/{part.extension}/{key}": (f"{part.field}.{ours}", 3) for part in PARTS for key, (ours, _) in part.colors.items()},
 }
 """Of what a pointer says about a material: our field, and how many numbers it has."""
+_STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
+_IN_PARTS = {
+    ("materials", "emissiveFactor"): ("emission", 3),
+    ("materials", _STRENGTH): ("emission", 1),
+    ("cameras", "orthographic/xmag"): ("lens", 1),
+    ("cameras", "orthographic/ymag"): ("lens", 1),
+}
+"""Of what is no field of ours by itself: what it is a part of, and how many numbers it has."""
 _DENSE = 32  # keys for each of the file's, where what is linear there is not so here
 
 Floats = NDArray[np.float64]
@@ -77,8 +86,9 @@ class Animations:
         self._nodes = root.array("nodes")
         self._accessors = accessors
         self._notes = notes
-        # Of each material's textures in one animation: what moves of offset, rotation and scale.
-        self._transforms: dict[tuple[int, str], dict[str, Track]] = {}
+        # What fields of ours are made of together, in one animation, by where it stands: of each material's textures offset, rotation and
+        # scale; of materials emissive factor and strength; of cameras xmag and ymag; of nodes and meshes single weights.
+        self._parts: dict[tuple[str, int, str], dict[str, Track]] = {}
 
     def pointed_at(self, collection: str) -> set[int]:
         """Which materials, cameras or lights are animated: their index after "/materials/"."""
@@ -102,16 +112,18 @@ class Animations:
     def _channels(self, animation: Element, names: Names) -> tuple[Channel, ...]:
         moved: _Moved = {}
         others: list[Channel] = []
-        self._transforms = {}
+        self._parts = {}
         samplers = animation.array("samplers")
         for channel in animation.array("channels"):
             try:
                 self._read_channel(channel, samplers, names, moved, others)
             except LimnerError as error:
                 self._notes.slip(f"an animation's channel is left out: {without_path(error)}", channel.pointer)
-        for (material, owner), tracks in self._transforms.items():
-            for field, track in self._of_transform(self._root.array("materials")[material], owner, tracks).items():
-                others.append(FieldChannel("material", names.materials(material), field, track))
+        for (kind, index, owner), tracks in self._parts.items():
+            try:
+                others.extend(self._put_together(kind, index, owner, tracks, names, others))
+            except LimnerError as error:
+                self._notes.slip(f"an animation's channels are left out: {without_path(error)}", f"/{kind}/{index}")
         nodes = [self._node_channel(index, tracks, names) for index, tracks in moved.items()]
         return (*(channel for channel in nodes if channel is not None), *others)
 
@@ -206,6 +218,9 @@ class Animations:
                 if index in names.nodes:
                     others.append(FieldChannel("node", names.nodes[index], "visible", Track(track.times, track.values, "step")))
                 return
+            if _is_weight(field):
+                self._parts.setdefault((kind, index, "weights"), {})[field] = self._track(sampler, 1)
+                return
             self._read_node(index, field, sampler, names, moved, others, channel)
             return
         if kind == "meshes":
@@ -213,7 +228,11 @@ class Animations:
             return
         owner, _, part = field.partition("/extensions/KHR_texture_transform/")
         if kind == "materials" and owner in _TEXTURES and part in _TRANSFORM_WIDTHS:
-            self._transforms.setdefault((index, owner), {})[part] = self._track(sampler, _TRANSFORM_WIDTHS[part])
+            self._parts.setdefault((kind, index, owner), {})[part] = self._track(sampler, _TRANSFORM_WIDTHS[part])
+            return
+        if (kind, field) in _IN_PARTS:
+            owner, width = _IN_PARTS[kind, field]
+            self._parts.setdefault((kind, index, owner), {})[field] = self._track(sampler, width)
             return
         read = {"materials": self._of_material, "lights": self._of_light, "cameras": self._of_camera}[kind]
         made = read(collection[index], field, sampler)
@@ -227,14 +246,73 @@ class Animations:
         self, index: int, field: str, sampler: Element, names: Names, others: list[Channel], channel: Element
     ) -> None:
         """The morphs of a mesh: of every node that shows it, and has no weights of its own."""
+        if _is_weight(field):
+            self._parts.setdefault(("meshes", index, "weights"), {})[field] = self._track(sampler, 1)
+            return
         if field != "weights":
             self._notes.add(f"the animation of {quoted(field)} is left out", channel.pointer)
             return
         track = self._track(sampler, None)
-        for number, path in names.nodes.items():
-            node = self._nodes[number]
-            if not node.has("weights") and node.has("mesh") and node.get_number("mesh", -1.0) == index:
-                others.append(WeightsChannel(path, track))
+        others.extend(WeightsChannel(path, track) for path in self._shown_with_weights_of(index, names))
+
+    def _shown_with_weights_of(self, mesh: int, names: Names) -> list[str]:
+        """The paths of the nodes that show a mesh, and have no weights of their own."""
+        return [
+            path for number, path in names.nodes.items()
+            if not self._nodes[number].has("weights") and self._nodes[number].has("mesh")
+            and self._nodes[number].get_number("mesh", -1.0) == mesh
+        ]  # fmt: skip
+
+    def _put_together(
+        self, kind: str, index: int, owner: str, tracks: dict[str, Track], names: Names, others: list[Channel]
+    ) -> list[Channel]:
+        """The channels of what was read in parts."""
+        thing = self._collections()[kind][index]
+        if kind in ("nodes", "meshes"):
+            paths = [names.nodes[index]] if kind == "nodes" and index in names.nodes else []
+            paths = paths if kind == "nodes" else self._shown_with_weights_of(index, names)
+            return [WeightsChannel(path, self._with_weights(kind, index, tracks, path, others)) for path in paths]
+        if kind == "cameras":
+            lens = thing.child("orthographic")
+            return [FieldChannel("camera", names.cameras(index), *found) for found in _of_parallel_view(lens, tracks).items()]
+        made = {"emission": self._of_emission(thing, tracks)} if owner == "emission" else self._of_transform(thing, owner, tracks)
+        return [FieldChannel("material", names.materials(index), field, track) for field, track in made.items()]
+
+    def _with_weights(self, kind: str, index: int, tracks: dict[str, Track], path: str, others: list[Channel]) -> Track:
+        """The weights of a node of which some are animated one by one: the others are as another channel or the file has them."""
+        whole = next((held for held in others if isinstance(held, WeightsChannel) and held.target == path), None)
+        node = self._nodes[index] if kind == "nodes" else None
+        mesh = self._root.array("meshes")[index] if node is None else self._root.array("meshes")[node.child("mesh").index(1 << 30)]
+        rest = [0.0] * max(len(primitive.array("targets")) for primitive in mesh.array("primitives"))
+        for owner in (mesh, node):
+            if owner is not None and owner.has("weights"):
+                given = [weight.number() for weight in owner.array("weights")]
+                rest[: len(given)] = given[: len(rest)]
+        parts: list[Track | list[float]] = [[weight] for weight in rest]
+        if whole is not None:
+            others.remove(whole)
+            parts[: whole.weights.width] = [
+                _mapped(whole.weights, lambda v, k=k: v[..., k : k + 1]) for k in range(min(whole.weights.width, len(rest)))  # type: ignore[misc]
+            ]
+        for field, track in tracks.items():
+            number = int(field.removeprefix("weights/"))
+            if number >= len(rest):
+                raise mesh.error(f"has {len(rest)} morph targets, and an animation moves number {number}", "primitives")
+            parts[number] = track
+        return together(parts)
+
+    def _of_emission(self, material: Element, tracks: dict[str, Track]) -> Track:
+        """Emissive factor times strength."""
+        given = material.extension("KHR_materials_emissive_strength")
+        factor, strength = tracks.get("emissiveFactor"), tracks.get(_STRENGTH)
+        if strength is None:
+            assert factor is not None
+            times = 1.0 if given is None else given.get_number("emissiveStrength", 1.0, 0.0)
+            return _mapped(factor, lambda v: v * times)
+        if factor is None:
+            at_rest = np.array(material.get_numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0))
+            return _mapped(strength, lambda v: v * at_rest)
+        return _mapped(dense(together([factor, strength])), lambda v: v[..., :3] * v[..., 3:])
 
     def _collections(self) -> dict[str, list[Element]]:
         punctual = self._root.extension("KHR_lights_punctual")
@@ -250,13 +328,6 @@ class Animations:
         if field == "pbrMetallicRoughness/baseColorFactor":
             track = self._track(sampler, 4)
             return {"base_color": _mapped(track, lambda v: v[..., :3]), "alpha": _mapped(track, lambda v: v[..., 3:])}
-        strength_of = material.extension("KHR_materials_emissive_strength")
-        if field == "emissiveFactor":
-            strength = 1.0 if strength_of is None else strength_of.get_number("emissiveStrength", 1.0, 0.0)
-            return {"emission": _mapped(self._track(sampler, 3), lambda v: v * strength)}
-        if field == "extensions/KHR_materials_emissive_strength/emissiveStrength":
-            factor = np.array(material.get_numbers("emissiveFactor", (0.0, 0.0, 0.0), 0.0))
-            return {"emission": _mapped(self._track(sampler, 1), lambda v: v * factor)}
         if field in _PLAIN:
             ours, width = _PLAIN[field]
             return {ours: self._track(sampler, width)}
@@ -297,9 +368,9 @@ class Animations:
     def _of_camera(self, camera: Element, field: str, sampler: Element) -> dict[str, Track] | None:
         numbers: dict[str, tuple[str, Callable[[Floats], Floats]]] = {
             "perspective/yfov": ("yfov_degrees", lambda v: v * (180.0 / math.pi)),
+            "perspective/aspectRatio": ("aspect", lambda v: v),
             "perspective/znear": ("near", lambda v: v),
             "perspective/zfar": ("far", lambda v: v),
-            "orthographic/ymag": ("height", lambda v: 2.0 * v),
             "orthographic/znear": ("near", lambda v: v),
             "orthographic/zfar": ("far", lambda v: v),
         }
@@ -314,6 +385,24 @@ def _pointer_of(channel: Element) -> str:
     target = channel.get("target")
     given = target.extension("KHR_animation_pointer") if target is not None else None
     return "" if given is None else given.get_text("pointer")
+
+
+def _is_weight(field: str) -> bool:
+    """Whether a pointer says one weight of several."""
+    return field.startswith("weights/") and field.removeprefix("weights/").isdecimal()
+
+
+def _of_parallel_view(lens: Element, tracks: dict[str, Track]) -> dict[str, Track]:
+    """Height and aspect of a camera whose xmag and ymag are animated, or one of them."""
+    half_width, half_height = abs(lens.child("xmag").number()), abs(lens.child("ymag").number())
+    wide, high = tracks.get("orthographic/xmag"), tracks.get("orthographic/ymag")
+    if high is None:
+        assert wide is not None
+        return {"aspect": _mapped(wide, lambda v: np.abs(v) / half_height)}
+    whole = dense(together([[half_width] if wide is None else wide, high]))
+    # A height may pass through zero, where there is no aspect.
+    aspect = _mapped(whole, lambda v: np.abs(v[..., :1]) / np.maximum(np.abs(v[..., 1:]), 1e-6))
+    return {"height": _mapped(high, lambda v: 2.0 * v), "aspect": aspect}
 
 
 def _mapped(track: Track, change: Callable[[Floats], Floats]) -> Track:

@@ -1,6 +1,6 @@
 """Surfaces of Mitsuba scenes as limner's materials.
 
-    diffuse                               Lambert                         as it is
+    diffuse, roughdiffuse                 Lambert                         as it is; rough by Oren and Nayar's sigma
     dielectric, roughdielectric           Dielectric                      as it is, where nothing is coloured by reflection
     conductor, roughconductor             MetallicRoughness, metallic     alpha is the square of the roughness; by name: Schlick's Fresnel
     plastic, roughplastic, principled     MetallicRoughness               light that is caught below the coat is left out
@@ -171,10 +171,22 @@ class Materials:
 
     def _diffuse(self, properties: Properties) -> Surface:
         paint = self._paint(properties, "reflectance", 0.5)
-        if properties.element.kind == "roughdiffuse":
-            properties.skip("alpha", "use_fast_approx")
-            self._note("approximated", "roughdiffuse is drawn as diffuse", properties)
-        return Surface(Lambert(paint.color, texture=paint.texture), paint.by_vertex)
+        degrees = self._slope_degrees(properties) if properties.element.kind == "roughdiffuse" else 0.0
+        return Surface(Lambert(paint.color, texture=paint.texture, roughness_degrees=degrees), paint.by_vertex)
+
+    def _slope_degrees(self, properties: Properties) -> float:
+        """Oren and Nayar's sigma for a root mean square slope alpha.
+
+        **Source**: the Mitsuba 0.6 documentation, *Rough diffuse material*: alpha is that of Beckmann's distribution, whose slopes along
+        one axis vary by ``alpha / sqrt(2)``, small angles taken for their tangents.
+        """
+        alpha, texture = self._level(properties, "alpha", 0.2)
+        if texture is not None:
+            self._note("approximated", "the texture of alpha is drawn as one number", properties)
+            alpha = _mean(texture)[0]
+        if not properties.flag("use_fast_approx", False):
+            self._note("approximated", "roughdiffuse is drawn by Oren and Nayar's short formula, as with use_fast_approx", properties)
+        return min(math.degrees(max(alpha, 0.0) / math.sqrt(2.0)), 90.0)
 
     def _dielectric(self, properties: Properties) -> Surface:
         ratio = self._ior(properties, "int_ior", "bk7") / self._ior(properties, "ext_ior", "air")

@@ -28,6 +28,7 @@ from ..scene.scene import Scene
 from ..scene.texture import Texture
 from ..scene.track import Track
 from .gltf_material_parts import DISPERSION, IOR, NORMAL_SCALE, PARTS, Part
+from .gltf_tracks import dense, key_times, still, together
 from .notes import Notes
 from .write_gltf_buffers import Buffers, Json
 from .write_gltf_camera import Cameras, Lights
@@ -48,7 +49,10 @@ _FEW = 1024  # keys, up to which more are put between them
 _LONGEST = 256  # keys that are left out in a row
 _OWN_MOTION = "motion"
 _VISIBLE = "extensions/KHR_node_visibility/visible"
-_LENSES = {"near": ("znear", 1.0), "far": ("zfar", 1.0), "yfov_degrees": ("yfov", math.pi / 180.0), "height": ("ymag", 0.5)}
+_LENSES = {
+    "near": ("znear", 1.0), "far": ("zfar", 1.0), "yfov_degrees": ("yfov", math.pi / 180.0), "height": ("ymag", 0.5),
+    "aspect": ("aspectRatio", 1.0),
+}  # fmt: skip
 _CONES = {"inner_degrees": "spot/innerConeAngle", "outer_degrees": "spot/outerConeAngle"}
 
 
@@ -196,13 +200,15 @@ class Animations:
             for field, (theirs, factor) in _LENSES.items():
                 if field in tracks and theirs in camera[kind]:
                     yield _Pointed(f"/cameras/{index}/{kind}/{theirs}", _scaled(tracks[field], factor), {field})
+            if kind == "orthographic" and ("height" in tracks or "aspect" in tracks):
+                yield _Pointed(f"/cameras/{index}/{kind}/xmag", _half_widths(camera[kind], tracks), {"height", "aspect"})
 
     def _of_materials(self, target: str, tracks: dict[str, Track]) -> Iterator[_Pointed]:
         for index, given, made in self._materials.named(target):
             root = f"/materials/{index}/"
             color = {Lambert: "color", BlinnPhong: "diffuse"}.get(type(given), "base_color")
             if color in tracks or "alpha" in tracks:
-                factor = _together([tracks.get(color, np.array(made.base_color)), tracks.get("alpha", np.array([made.alpha]))])
+                factor = together([tracks.get(color, np.array(made.base_color)), tracks.get("alpha", np.array([made.alpha]))])
                 yield _Pointed(root + "pbrMetallicRoughness/baseColorFactor", factor, {color, "alpha"})
             if "emission" in tracks:
                 strength = self._materials.strength(index)
@@ -277,6 +283,16 @@ class _Sheet:
         self.channels.append({"sampler": self.samplers.index(sampler), "target": target})
 
 
+def _half_widths(lens: Json, tracks: dict[str, Track]) -> Track:
+    """Half of what a parallel view is wide, whose height and aspect are animated."""
+    whole = together([tracks.get("height", [2.0 * lens["ymag"]]), tracks.get("aspect", [lens["xmag"] / lens["ymag"]])])
+    if "height" in tracks and "aspect" in tracks:
+        whole = dense(whole)
+        return Track(whole.times, whole.values[..., :1] * whole.values[..., 1:] / 2.0, whole.interpolation)
+    factor = lens["xmag"] / lens["ymag"] / 2.0 if "height" in tracks else lens["ymag"]
+    return _scaled(tracks["height" if "height" in tracks else "aspect"], factor)
+
+
 # --- tracks ---------------------------------------------------------------------------------------------------------------
 
 
@@ -294,33 +310,6 @@ def _unit(track: Track) -> Track:
 def _scaled(track: Track, factor: float) -> Track:
     """The same keys with numbers in another unit."""
     return Track(track.times, track.values * factor, track.interpolation)
-
-
-def _together(parts: list[Track | Floats]) -> Track:
-    """Tracks, and what does not change, side by side in one track."""
-    tracks = [part for part in parts if isinstance(part, Track)]
-    first = tracks[0]
-    if all(np.array_equal(track.times, first.times) and track.interpolation == first.interpolation for track in tracks):
-        columns = [part.values if isinstance(part, Track) else _still(part, first) for part in parts]
-        return Track(first.times, np.concatenate(columns, axis=-1), first.interpolation)
-    times = _times(tracks)
-    columns = [part.at(times) if isinstance(part, Track) else np.tile(part, (len(times), 1)) for part in parts]
-    return Track(times, np.concatenate(columns, axis=-1))
-
-
-def _still(value: Floats, like: Track) -> Floats:
-    """What does not change, as a track of the same keys has it."""
-    values = np.zeros((*like.values.shape[:-1], len(value)))
-    (values[:, 1] if like.interpolation == "cubic" else values)[:] = value
-    return values
-
-
-def _times(tracks: list[Track]) -> Floats:
-    """The times of all keys, and more between them where one of the tracks does not go straight."""
-    times = np.unique(np.concatenate([track.times for track in tracks]))
-    if all(track.interpolation == "linear" or track.is_constant for track in tracks) or len(times) < 2:
-        return times
-    return np.unique(np.concatenate([np.linspace(a, b, _DENSE + 1) for a, b in pairwise(times)]))
 
 
 def _of_part(root: str, part: Part, value: Any, tracks: dict[str, Track]) -> Iterator[_Pointed]:
@@ -347,19 +336,19 @@ def _of_texture(root: str, field: str, texture: Texture, tracks: dict[str, Track
     used = {f"{field}.{part}" for part in given}
     if set(given) == {"offset"}:
         shift = np.array(given_transform((0.0, 0.0), texture.rotation, texture.scale)[0])
-        still = _still(shift, given["offset"])
-        yield _Pointed(root + "offset", Track(given["offset"].times, given["offset"].values * (1.0, -1.0) + still,
+        at_rest = still(shift, given["offset"])
+        yield _Pointed(root + "offset", Track(given["offset"].times, given["offset"].values * (1.0, -1.0) + at_rest,
                                               given["offset"].interpolation), used)  # fmt: skip
         return
-    at_rest: dict[str, Any] = {"offset": texture.offset, "rotation": [texture.rotation], "scale": texture.scale}
-    whole = _together([given.get(part, np.array(at_rest[part], dtype=np.float64)) for part in at_rest])
+    standing: dict[str, Any] = {"offset": texture.offset, "rotation": [texture.rotation], "scale": texture.scale}
+    whole = together([given.get(part, np.array(standing[part], dtype=np.float64)) for part in standing])
     if whole.interpolation == "cubic":
-        whole = _dense(whole)
+        whole = dense(whole)
     offset = _given_offsets(whole)
     stays = float(np.ptp(offset, axis=0).max()) <= _STRAIGHT * max(float(np.abs(offset).max()), 1.0)
     if not stays and whole.interpolation == "linear" and len(whole.times) <= _FEW:
         # Between two keys ours goes straight, and what a file has along a curve.
-        whole = _dense(whole)
+        whole = dense(whole)
         offset = _given_offsets(whole)
     if not stays:
         yield _Pointed(root + "offset", _thinned(Track(whole.times, offset, whole.interpolation)), used)
@@ -371,14 +360,6 @@ def _of_texture(root: str, field: str, texture: Texture, tracks: dict[str, Track
 def _given_offsets(whole: Track) -> Floats:
     """(k, 2): the offsets of KHR_texture_transform for (k, 5) of ours: offset, rotation, scale."""
     return np.array([given_transform((ou, ov), angle, (su, sv))[0] for ou, ov, angle, su, sv in whole.values.tolist()])
-
-
-def _dense(track: Track) -> Track:
-    """Keys so near to each other that straight lines between them are as good as what they came from."""
-    if track.is_constant:
-        return Track(track.times, track.at(track.times))
-    times = np.unique(np.concatenate([np.linspace(a, b, _DENSE + 1) for a, b in pairwise(track.times)]))
-    return Track(times, track.at(times))
 
 
 def _thinned(track: Track) -> Track:
@@ -403,9 +384,9 @@ def _keyed(motion: Motion | KeyedMotion, parent_from_node: Floats) -> KeyedMotio
     if isinstance(motion, KeyedMotion) and np.array_equal(parent_from_node, np.eye(4)):
         return motion
     tracks = [motion.translation, motion.rotation, motion.scale] if isinstance(motion, KeyedMotion) else []
-    keys = motion.times if isinstance(motion, Motion) else _times([track for track in tracks if not track.is_constant] or tracks[:1])
-    dense = [np.linspace(a, b, _DENSE + 1) for a, b in pairwise(keys)]
-    times = np.unique(np.concatenate([keys, *dense]))
+    keys = motion.times if isinstance(motion, Motion) else key_times([track for track in tracks if not track.is_constant] or tracks[:1])
+    between = [np.linspace(a, b, _DENSE + 1) for a, b in pairwise(keys)]
+    times = np.unique(np.concatenate([keys, *between]))
     try:
         parts = trs(parent_from_node @ motion.at(times))
     except SceneError:

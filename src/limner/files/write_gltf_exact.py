@@ -28,6 +28,7 @@ Pair = tuple[float, float]
 
 _REACH = 4  # neighbours on each side that are tried
 _ROUNDING = 1e-14  # as a share of the greatest scale
+_LENGTHS = 24  # steps up and down that are tried
 _DIGITS = (9, 8, 7, 6, 5, 4, 3)  # that people and exporters write
 
 
@@ -91,13 +92,27 @@ def parts_of(matrix: Floats) -> Parts | None:
     except SceneError:
         return None
     rotations, scales = (np.array(list(_shorter(part))) for part in (rotation, scale))
+    found, error = _best(linear, translation, rotations, scales)
+    if error > 0.0:
+        found, error = min((found, error), _best(linear, translation, _not_quite_unit(rotation), scales[:2]), key=lambda made: made[1])
+    swaps_axes = bool((np.count_nonzero(linear, axis=0) <= 1).all())
+    most = 0.0 if swaps_axes and scale.all() else _ROUNDING * float(np.abs(scale).max())
+    return found if error <= most else None
+
+
+def _best(linear: Floats, translation: Floats, rotations: Floats, scales: Floats) -> tuple[Parts, float]:
+    """Of all pairs the one that makes a matrix best, and how far off that is."""
     pairs = np.array(list(itertools.product(range(len(rotations)), range(len(scales)))))
     made = compose_trs(translation, rotations[pairs[:, 0]], scales[pairs[:, 1]])[:, :3, :3]
     errors = np.abs(made - linear).max(axis=(1, 2))
     best = int(np.argmin(errors))
-    swaps_axes = bool((np.count_nonzero(linear, axis=0) <= 1).all())
-    most = 0.0 if swaps_axes and scale.all() else _ROUNDING * float(np.abs(scale).max())
-    return Parts(translation, rotations[pairs[best, 0]], scales[pairs[best, 1]]) if errors[best] <= most else None
+    return Parts(translation, rotations[pairs[best, 0]], scales[pairs[best, 1]]), float(errors[best])
+
+
+def _not_quite_unit(rotation: Floats) -> Floats:
+    """What a quaternion may have been in a file's single precision, where its length is 1 but for rounding."""
+    lengths = 1.0 + np.arange(-_LENGTHS, _LENGTHS + 1) * 2.0**-26
+    return np.unique((rotation * lengths[:, None]).astype(np.float32), axis=0).astype(np.float64)
 
 
 def _shorter(numbers: Floats) -> Iterator[Floats]:

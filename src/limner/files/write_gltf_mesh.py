@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 from ..errors import UnsupportedError
 from ..mesh.mesh import Mesh
 from ..scene.line_set import LineSet
+from ..scene.material import Material
 from ..scene.points import PointCloud
 from ..scene.rig import Binding, Morph
+from ..tables.frames import with_frames
 from .gltf_mesh import UNIT_TOLERANCE
 from .notes import Notes
 from .triangles import finite_rows
@@ -82,6 +84,12 @@ def vertices_of(mesh: Mesh) -> Vertices:
     return Vertices(rows[0][first], rows[1][first], rows[2][first], vertex.reshape(-1, 3))
 
 
+def _with_own_tangents(mesh: Mesh, materials: Sequence[Material]) -> Mesh:
+    """A mesh with the tangents that a coat or a grain needs, where there is no normal map from which readers would know them."""
+    blind = tuple(material for material in materials if getattr(material, "normal_texture", None) is None)
+    return with_frames(mesh, blind)
+
+
 class Meshes:
     """The meshes of one file, each written once however many nodes show it."""
 
@@ -118,6 +126,8 @@ class Meshes:
             return [self._with_material({"attributes": self._of_points(geometry, path), "mode": _POINTS}, materials[0])]
         if isinstance(geometry, LineSet):
             return [self._with_material(self._of_lines(geometry, path) | {"mode": _LINES}, materials[0])]
+        if not drawn.morphs:
+            geometry = _with_own_tangents(geometry, materials)
         vertices = self._vertices_of(geometry)
         shared: Json = {"attributes": self._of_mesh(geometry, vertices, path) | self._of_binding(geometry, vertices, drawn.binding)}
         if drawn.morphs:

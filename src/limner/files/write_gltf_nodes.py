@@ -7,6 +7,7 @@ as two nodes, one in the other.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -145,7 +146,7 @@ class Graph:
         """Where a node stands, as one node says it or two, and its parts where it is animated."""
         matrix = node.place()
         if path in self._moving:
-            rest = nearest_parts(matrix)
+            rest = parts_of(matrix) or nearest_parts(matrix)
             if _shear(matrix) > _SHEAR:
                 self._notes.add("is animated, which leaves out the shear it has at rest", path)
             kept = {name: value for name, value in self._moving[path].items() if np.allclose(value, getattr(rest, name), 1e-6, 1e-6)}
@@ -263,19 +264,20 @@ class Graph:
         return bool(node.shapes) and not (holds or bends or named) and node.visible and _shear(node.parent_from_node) <= _SHEAR
 
     def _places_of_instances(self, group: list[Placed]) -> Json:
-        parts = [nearest_parts(placed.node.parent_from_node) for placed in group]
-        columns = {name.upper(): [getattr(part, name) for part in parts] for name in Parts._fields}
+        matrices = np.array([placed.node.parent_from_node for placed in group])
+        try:
+            columns = dict(zip(("TRANSLATION", "ROTATION", "SCALE"), trs(matrices), strict=True))
+        except SceneError:
+            parts = [nearest_parts(matrix) for matrix in matrices]
+            columns = {name.upper(): np.array([getattr(part, name) for part in parts]) for name in Parts._fields}
         return {name: self._buffers.accessor(np.array(rows, dtype=np.float32), "instances") for name, rows in columns.items()}
 
 
 def _shear(matrix: NDArray[np.float64]) -> float:
     """The greatest cosine between two of its axes."""
-    try:
-        trs(matrix)
-        return 0.0
-    except SceneError:
-        axes = matrix[:3, :3] / np.maximum(np.linalg.norm(matrix[:3, :3], axis=0), 1e-300)
-        return float(np.abs(axes.T @ axes * (1.0 - np.eye(3))).max())
+    (a, b, c), (d, e, f), (g, h, i) = matrix[:3, :3].tolist()
+    x, y, z = (max(math.hypot(*axis), 1e-300) for axis in ((a, d, g), (b, e, h), (c, f, i)))
+    return max(abs(a * b + d * e + g * h) / x / y, abs(b * c + e * f + h * i) / y / z, abs(a * c + d * f + g * i) / x / z)
 
 
 def _said(parts: Parts) -> Json:

@@ -11,18 +11,20 @@ from ..aov import Moments
 from ..errors import SceneError
 from ..film import Film
 from ..kernel.sampler_kinds import SAMPLERS, SOBOL
+from ..mesh.mesh import Mesh
 from ..pixel_filter import filtered_samples
 from ..raster import pipeline
 from ..raster.memory import Memory
 from ..raytrace import driver
 from ..samples import pixel_samples
+from ..scene.bending import bent_meshes
 from ..scene.camera import Camera
 from ..scene.environment import Environment
 from ..scene.framing import with_defaults
 from ..scene.lamp import has_solids, lights_in_solids, with_lamps
 from ..scene.material import Dielectric, Material
 from ..scene.node import Node
-from ..scene.pose import animated, at, posed
+from ..scene.pose import animated, at, is_rigged, posed
 from ..scene.scene import Scene
 from ..tables.build import Built, View, flatten, media_table, view
 from ..tables.layouts import Instants, Lighting
@@ -42,7 +44,7 @@ class Kept:
         self.spare: tuple[Film, Memory] | None = None
         self._built: Built | None = None
         self._tree: tuple[Built, Accelerator] | None = None
-        self._stopped: tuple[Scene, Scene] | None = None
+        self._stopped: tuple[Scene, Scene, dict[Mesh, tuple[Mesh, ...]]] | None = None
         self._lit: tuple[Built, Scene, Lighting] | None = None
         self._flat: tuple[Scene, float] | None = None
         self._whole: tuple[Node, Environment | None] | None = None
@@ -56,11 +58,11 @@ class Kept:
         """A picture that is ready to be exposed."""
         if camera is not None and not isinstance(camera, Camera):
             raise SceneError(f"camera must be a PerspectiveCamera or an OrthographicCamera, got {type(camera).__name__}")
-        given = self._scene_of_the_moment(choices, scene)
+        given, bent = self._scene_of_the_moment(choices, scene)
         shown, messages = self._completed(choices, given if camera is None else given.replace(camera=camera))
         width, height, opening = choices.width, choices.height, choices.shutter[0]
         assert shown.camera is not None
-        built = self._flattened(choices, shown)
+        built = self._flattened(choices, shown, bent)
         seen = view(shown, built.tables, shown.camera, width, height, opening)
         (film, memory), self.spare = self.spare or (Film(width, height, choices.tile_size), Memory()), None
         stage: driver.Stage | None = None
@@ -87,13 +89,15 @@ class Kept:
         self._whole = (scene.root, scene.environment) if is_whole else None
         return made, said
 
-    def _flattened(self, choices: Choices, scene: Scene) -> Built:
+    def _flattened(self, choices: Choices, scene: Scene, bent: dict[Mesh, tuple[Mesh, ...]]) -> Built:
         """The tables of a scene; the last ones where only the camera is another, and they would be the same for every camera."""
         assert scene.camera is not None
         opening, last = choices.shutter[0], self._built
         is_known = self._flat is not None and self._flat[0].root is scene.root and self._flat[1] == opening
         if last is None or not last.is_for_all or not is_known:
-            last = flatten(scene, scene.camera, choices.width, choices.height, last, tessellate=choices.is_raster, time=opening)
+            last = flatten(
+                scene, scene.camera, choices.width, choices.height, last, tessellate=choices.is_raster, time=opening, bent=bent
+            )
             self._built, self._flat = last, (scene, opening)
         return last
 
@@ -114,20 +118,29 @@ class Kept:
     def _stage(self, choices: Choices, scene: Scene, built: Built, seen: View) -> driver.Stage:
         """What rays meet."""
         assert scene.camera is not None
-        moved = instants(scene, built.tables, scene.camera, choices.width, choices.height, choices.shutter)
+        moved = instants(scene, built.tables, scene.camera, choices.width, choices.height, choices.shutter, built.n_keys)
         light = self._lighting(choices, scene, built, moved.moving)
         return driver.Stage(built.tables, self._accelerator(built, moved), light, seen, media_table(scene), moved, _background(scene))
 
-    def _scene_of_the_moment(self, choices: Choices, scene: Scene) -> Scene:
-        """The scene with its animation at the time of the picture, and its meshes bent; the same object while nothing changes."""
+    def _scene_of_the_moment(self, choices: Choices, scene: Scene) -> tuple[Scene, dict[Mesh, tuple[Mesh, ...]]]:
+        """The scene with its animation at the time of the picture, and its meshes bent; the same objects while nothing changes.
+
+        And what the meshes turn into until the shutter closes.
+        """
         if self._stopped is None or self._stopped[0] is not scene:
-            opening, stopped = choices.shutter[0], scene
-            if choices.moment is not None:
-                time, animation = choices.moment
-                stopped = at(scene, time, animation) if time is not None else animated(scene, animation, opening)
-            self._stopped = scene, posed(stopped, opening)
+            moment = choices.moment
+            if moment is not None and moment[0] is not None:
+                self._stopped = scene, posed(at(scene, *moment), choices.shutter[0]), {}
+            else:
+
+                def pose_at(time: float) -> Scene:
+                    return posed(scene if moment is None else animated(scene, moment[1], time), time)
+
+                opening = pose_at(choices.shutter[0])
+                bent = bent_meshes(pose_at, opening, choices.shutter) if is_rigged(scene) else {}
+                self._stopped = scene, opening, bent
             self._stopped[1].bounds()  # found once for the pictures of all cameras
-        return self._stopped[1]
+        return self._stopped[1:]
 
     def _accelerator(self, built: Built, moved: Instants) -> Accelerator:
         """The tree over the scene; the last one while nothing in it has moved."""

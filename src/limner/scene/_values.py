@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -63,9 +64,10 @@ def matrix4(value: Any, name: str) -> NDArray[np.float64]:
         raise SceneError(f"{name} must be a 4x4 matrix, got {value!r}") from None
     if matrix.shape != (4, 4):
         raise SceneError(f"{name} must be a 4x4 matrix, got shape {matrix.shape}")
-    if not np.isfinite(matrix).all():
+    rows = matrix.tolist()
+    if not all(map(math.isfinite, itertools.chain(*rows))):
         raise SceneError(f"{name} must be finite")
-    x, y, z, w = matrix[3].tolist()
+    x, y, z, w = rows[3]
     if max(abs(x), abs(y), abs(z), abs(w - 1.0)) > 1e-9:
         raise SceneError(f"{name} must be affine: its last row must be 0 0 0 1, got {matrix[3]}")
     matrix.flags.writeable = False

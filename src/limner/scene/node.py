@@ -72,16 +72,20 @@ class Node:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parent_from_node", matrix4(self.parent_from_node, f"node.parent_from_node of {self.name!r}"))
-        for name in ("shapes", "lights", "cameras", "children"):
-            given = getattr(self, name)
-            object.__setattr__(self, name, tuple(given) if isinstance(given, (tuple, list)) else (given,))
         for name, kind, hint in _HELD:
-            for held in getattr(self, name):
+            given = getattr(self, name)
+            if not isinstance(given, tuple):
+                given = tuple(given) if isinstance(given, list) else (given,)
+                object.__setattr__(self, name, given)
+            for held in given:
                 if not isinstance(held, kind):
                     raise SceneError(f"node.{name} of {self.name!r} must be {hint}, got {type(held).__name__}")
         if self.motion is not None and not isinstance(self.motion, (Motion, KeyedMotion)):
             raise SceneError(f"node.motion of {self.name!r} must be a Motion, got {type(self.motion).__name__}")
-        object.__setattr__(self, "weights", tuple(finite(weight, f"node.weights of {self.name!r}") for weight in self.weights))
+        if len(self.weights):
+            object.__setattr__(self, "weights", tuple(finite(weight, f"node.weights of {self.name!r}") for weight in self.weights))
+        elif not isinstance(self.weights, tuple):
+            object.__setattr__(self, "weights", ())
         if self.skin is not None and not isinstance(self.skin, Skin):
             raise SceneError(f"node.skin of {self.name!r} must be a Skin, got {type(self.skin).__name__}")
 
@@ -99,18 +103,31 @@ class Node:
 
         `hidden` False leaves out the nodes that are not visible, and what is below them. `time` is when to look, or k times at once.
         """
-        stack = [(self, self.name or "world", np.eye(4), 0)]
-        while stack:
-            node, path, world_from_parent, depth = stack.pop()
+        # Branches that are under way: what is left of a node's children, and with what their paths begin.
+        branches = [(zip((self,), (self.name or "world",), (self.place(time),), strict=True), "")]
+        while branches:
+            following = next(branches[-1][0], None)
+            if following is None:
+                branches.pop()
+                continue
+            node, name, world_from_object = following
             if not (hidden or node.visible):
                 continue
+            depth, path = len(branches) - 1, branches[-1][1] + name
             if depth > MAX_DEPTH:
                 raise SceneError(f"the scene graph must not be deeper than {MAX_DEPTH} nodes", path[:80] + "…")
-            world_from_object = world_from_parent @ node.place(time)
             yield Placed(node, path, world_from_object, depth)
             if node.children:
-                for child, name in zip(reversed(node.children), reversed(node.names_of_children), strict=True):
-                    stack.append((child, f"{path}/{name}", world_from_object, depth + 1))
+                places = _places_of(node.children, world_from_object, time)
+                branches.append((zip(node.children, node.names_of_children, places, strict=True), f"{path}/"))
+
+
+def _places_of(children: Sequence[Node], world_from_parent: NDArray[np.float64], time: ArrayLike) -> Sequence[NDArray[np.float64]]:
+    """Where siblings stand in the world; many that rest are placed at once, in one array."""
+    if world_from_parent.ndim > 2 or any(child.motion is not None for child in children):
+        return [world_from_parent @ child.place(time) for child in children]
+    places: Sequence[NDArray[np.float64]] = world_from_parent @ np.array([child.parent_from_node for child in children])
+    return places
 
 
 def names_among_siblings(given: Sequence[str]) -> tuple[str, ...]:

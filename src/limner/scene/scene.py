@@ -105,18 +105,24 @@ class Scene:
 
     def walk(self, time: ArrayLike = 0.0) -> Iterator[Placed]:
         """The visible nodes, parents first, as they stand at a time, or at k times at once."""
+        if isinstance(time, float) and time == 0.0:
+            return iter(self._nodes_at_first)
         return self.root.walk(hidden=False, time=time)
 
     def shapes(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Shape]]:
         """Every visible shape with the node that shows it, in the order of the graph: the order of instance ids."""
         if isinstance(time, float) and time == 0.0:
-            return list(self._shapes_at_first)
+            return self._shapes_at_first.copy()
         return [(placed, shape) for placed in self.walk(time) for shape in placed.node.shapes]
 
     @cached_property
-    def _shapes_at_first(self) -> list[tuple[Placed, Shape]]:
+    def _nodes_at_first(self) -> list[Placed]:
         """Of time 0: asked for many times for every picture."""
-        return [(placed, shape) for placed in self.walk() for shape in placed.node.shapes]
+        return list(self.root.walk(hidden=False))
+
+    @cached_property
+    def _shapes_at_first(self) -> list[tuple[Placed, Shape]]:
+        return [(placed, shape) for placed in self._nodes_at_first for shape in placed.node.shapes]
 
     def lights(self, time: ArrayLike = 0.0) -> list[tuple[Placed, Light]]:
         """Every visible light with its node."""
@@ -176,14 +182,19 @@ class Scene:
                 places.append(placed.world_from_object)
         if not found:
             return np.array([[np.inf] * 3, [-np.inf] * 3])
-        corners = np.array(found)[:, _CORNERS, np.arange(3)]
-        matrices = np.array(places)
-        world = corners @ np.swapaxes(matrices[:, :3, :3], 1, 2) + matrices[:, None, :3, 3]
-        world = world[np.isfinite(world).all(axis=(1, 2))].reshape(-1, 3)
-        return np.array([world.min(axis=0, initial=np.inf), world.max(axis=0, initial=-np.inf)])
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for start in range(0, len(found), _AT_ONCE):
+            part = slice(start, start + _AT_ONCE)
+            corners = np.array(found[part])[:, _CORNERS, np.arange(3)]
+            matrices = np.array(places[part])
+            world = corners @ np.swapaxes(matrices[:, :3, :3], 1, 2) + matrices[:, None, :3, 3]
+            world = world[np.isfinite(world).all(axis=(1, 2))].reshape(-1, 3)
+            low, high = np.minimum(low, world.min(axis=0, initial=np.inf)), np.maximum(high, world.max(axis=0, initial=-np.inf))
+        return np.array([low, high])
 
 
-_OF_THE_GRAPH = ("_shapes_at_first", "_lights_at_first", "_bounds")
+_OF_THE_GRAPH = ("_nodes_at_first", "_shapes_at_first", "_lights_at_first", "_bounds")
+_AT_ONCE = 1 << 13  # shapes whose corners are looked at together
 _CORNERS = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 

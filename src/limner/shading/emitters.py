@@ -13,11 +13,12 @@ import numpy as np
 
 from .._jit import kernel, outlined
 from ..kernel.elementary import sqrt
-from ..kernel.vec import ONE, ZERO, Color, Vec3, dot
+from ..kernel.transform import transform_vector
+from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, length
 from ..kernel.warp import warp_triangle
 from .bsdf import resolve
 from .matte_row import only_matte
-from .surface import barycentrics_of_hit, surface_at
+from .surface import barycentrics_of_hit, surface_at, vertices_at
 
 __all__ = ["EmitterSample", "pdf_emitter", "sample_emitter"]
 
@@ -61,9 +62,22 @@ def _shining_point(scene, emitter, b1: np.float32, b2: np.float32):
     instances, meshes, positions, triangles, attributes, slots, materials, _, textures, texels = scene
     instance = instances[emitter["instance"]]
     geometry = (positions, triangles, attributes, slots)
-    point = surface_at(geometry, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), barycentrics_of_hit(b1, b2))
+    w = barycentrics_of_hit(b1, b2)
+    point = surface_at(geometry, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), w, meshes)
     bsdf = resolve(materials[point.material], instance, point, textures, texels)
-    return point.position, point.n, bsdf.emission * bsdf.alpha
+    return point.position, point.n, bsdf.emission * (bsdf.alpha * _growth(scene, instance, emitter))
+
+
+@kernel
+def _growth(scene, instance, emitter) -> np.float32:
+    """How much larger a triangle that bends is than when the shutter opened: it is drawn as often as then, for all of what it is now."""
+    if instance["key"] <= 0:
+        return ONE
+    _, meshes, positions, triangles, _, _, _, _, _, _ = scene
+    v0, v1, v2 = vertices_at(positions, triangles, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), meshes)
+    m = instance["world_from_object"]
+    now = cross(transform_vector(m, v1 - v0), transform_vector(m, v2 - v0))
+    return length(now) / length(cross(_vector(emitter["edge_u"]), _vector(emitter["edge_v"])))
 
 
 @kernel

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple, get_args
 
 import numpy as np
@@ -23,7 +23,7 @@ from ..scene.texture import AnyTexture
 from . import layouts
 from .camera import camera_record, near_and_far, raster_from_world
 from .exact import Numbers, fill_shape, leaves_and_program, materials_of
-from .frames import with_frames
+from .frames import framed_alike, with_frames
 from .layers import attenuation_of, dielectric_f0, dispersion_of, fill_layers, fill_rough_matte, fills_shape
 from .layouts import SceneTables
 from .relief import Reliefs
@@ -32,6 +32,7 @@ from .textures import asks_for_detail, mean_color, texture_tables
 
 __all__ = ["Built", "View", "build", "flatten", "media_table", "names", "view"]
 
+_ROWS_AT_ONCE = 1 << 13
 _INFINITE_IOR = 1e6  # reflects all but a few millionths
 _ALPHA_MODES = {"opaque": layouts.OPAQUE, "mask": layouts.MASK, "blend": layouts.BLEND}
 
@@ -59,8 +60,11 @@ def view(scene: Scene, tables: SceneTables, camera: Camera, width: int, height: 
     camera = camera.standing(time)
     near, far = near_and_far(camera, scene.bounds())
     to_raster = raster_from_world(camera, width, height, near, far)
-    places = np.array([placed.world_from_object for placed, _ in scene.shapes(time)]).reshape(-1, 4, 4)
-    return View(camera_record(camera, width, height, near, far), (to_raster @ places).astype(np.float32))
+    shapes = scene.shapes(time)
+    raster_from_object = np.empty((len(shapes), 4, 4), dtype=np.float32)
+    for part in _parts(len(shapes)):
+        raster_from_object[part] = to_raster @ _matrices([placed.world_from_object for placed, _ in shapes[part]])
+    return View(camera_record(camera, width, height, near, far), raster_from_object)
 
 
 def names(scene: Scene) -> dict[str, tuple[str, ...]]:
@@ -89,6 +93,8 @@ class Built(NamedTuple):
         What could not be made as it was asked for.
     is_for_all : bool
         Whether every camera would have got the same: nothing is cut to a pixel's size, and nothing is lit from where it stands.
+    n_keys : mapping of int to int
+        Of the rows of meshes that bend while the shutter is open, how many keys they have; the others' rows follow the first one's.
     """
 
     tables: SceneTables
@@ -99,6 +105,7 @@ class Built(NamedTuple):
     reliefs: Reliefs
     notes: tuple[str, ...]
     is_for_all: bool
+    n_keys: Mapping[int, int]
 
 
 def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
@@ -108,7 +115,8 @@ def build(scene: Scene, camera: Camera, width: int, height: int) -> SceneTables:
 
 @np.errstate(over="ignore", invalid="ignore")  # what float32 cannot hold becomes infinite, and is left out later
 def flatten(
-    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True, time: float = 0.0
+    scene: Scene, camera: Camera, width: int, height: int, previous: Built | None = None, *, tessellate: bool = True, time: float = 0.0,
+    bent: Mapping[Mesh, tuple[Mesh, ...]] | None = None,
 ) -> Built:
     """Flatten a scene.
 
@@ -126,25 +134,34 @@ def flatten(
         leaves, which rays need.
     time : float
         When to look at what moves.
+    bent : mapping of Mesh to tuple of Mesh, optional
+        What meshes of the scene turn into until the shutter closes: `limner.scene.bending.bent_meshes`.
     """
     materials, first_material = _material_rows(scene)
     shapes = scene.shapes(time)
     sight = Sight(camera.standing(time), width, height, scene.bounds())
     stand_ins = StandIns(None if previous is None else previous.stand_ins)
     reliefs = Reliefs(None if previous is None else previous.reliefs)
-    meshes = _Meshes()
+    meshes = _Meshes(bent or {})
     numbers, programs = Numbers(), Numbers()
     instances = np.zeros(len(shapes), dtype=layouts.INSTANCE)
-    _place(instances, _matrices([placed.world_from_object for placed, _ in shapes]))
+    for part in _parts(len(shapes)):
+        _place(instances[part], _matrices([placed.world_from_object for placed, _ in shapes[part]]))
     instances["owner"] = np.arange(len(shapes))
     instances["material"] = [first_material[id(shape)] for _, shape in shapes]
     leaves: list[NDArray[np.void]] = []
-    for row, (placed, shape) in zip(instances, shapes, strict=True):
+    plain: dict[int, int] = {}
+    for k, (placed, shape) in enumerate(shapes):
+        if id(shape) in plain:
+            # What a scene may have a hundred thousand of.
+            continue
+        row = instances[k]
         if isinstance(shape, LampShape):
             row["lamp"] = shape.light + 1
         if isinstance(shape.geometry, Mesh) and shape.displacement is None:
-            # What a scene may have a hundred thousand of.
             row["mesh"] = meshes.row(shape, shape.geometry)
+            if not isinstance(shape, LampShape):
+                plain[id(shape)] = int(row["mesh"])
             continue
         matrix = placed.world_from_object
         if shape.displacement is not None:
@@ -161,7 +178,8 @@ def flatten(
             if shape.displacement is not None:
                 mesh = reliefs.get(shape, mesh, matrix, inverse(matrix), sight, placed.path)
             row["mesh"] = meshes.row(shape, mesh)
-    instances = np.concatenate([instances, *leaves])
+    instances["mesh"] = [plain.get(id(shape), mesh) for (_, shape), mesh in zip(shapes, instances["mesh"].tolist(), strict=True)]
+    instances = np.concatenate([instances, *leaves]) if leaves else instances
     detailed = {id(shape): any(map(_is_detailed, materials_of(shape))) for shape in {id(shape): shape for _, shape in shapes}.values()}
     instances["detailed"] = np.array([detailed[id(shape)] for _, shape in shapes], dtype=np.int32)[instances["owner"]]
     textures: dict[AnyTexture, int] = {}
@@ -182,14 +200,16 @@ def flatten(
         _light_table(scene, time), texture_table, texels,
     )  # fmt: skip
     is_for_all = stand_ins.is_empty and reliefs.is_empty and not any(isinstance(material, CoolToWarm) for material in materials)
-    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes, is_for_all)
+    return Built(tables, tuple(meshes.found), tuple(textures), geometry, stand_ins, reliefs, reliefs.notes, is_for_all, meshes.n_keys)
 
 
 class _Meshes:
     """The meshes of a scene in the order of their first use."""
 
-    def __init__(self) -> None:
+    def __init__(self, bent: Mapping[Mesh, tuple[Mesh, ...]]) -> None:
         self.found: list[Mesh] = []
+        self.n_keys: dict[int, int] = {}
+        self._bent = bent
         self._rows: dict[int, int] = {}
         self._of_shapes: dict[tuple[int, int], int] = {}
 
@@ -201,8 +221,17 @@ class _Meshes:
             if id(framed) not in self._rows:
                 self._rows[id(framed)] = len(self.found)
                 self.found.append(framed)
+                later = self._bent.get(mesh, ())
+                if later:
+                    self.n_keys[self._rows[id(framed)]] = 1 + len(later)
+                    self.found.extend(framed_alike(key, framed, mesh, materials_of(shape)) for key in later)
             self._of_shapes[key] = self._rows[id(framed)]
         return self._of_shapes[key]
+
+
+def _parts(n: int) -> Iterator[slice]:
+    """Some thousand rows of n after the other: float64 matrices of all at once would take more room than what is made of them."""
+    return (slice(start, start + _ROWS_AT_ONCE) for start in range(0, n, _ROWS_AT_ONCE))
 
 
 def _matrices(places: list[NDArray[np.float64]]) -> NDArray[np.float64]:

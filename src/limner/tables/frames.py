@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
 from ..mesh.mesh import Mesh
-from ..mesh.tangents import with_tangents
+from ..mesh.tangents import corner_tangents, with_tangents
 from ..scene.material import Material
 
-__all__ = ["with_frames"]
+__all__ = ["framed_alike", "with_frames"]
 
 _kept: WeakKeyDictionary[Mesh, dict[int, Mesh]] = WeakKeyDictionary()
 """What meshes turned into. They never change, and are shared by the pictures of a series."""
@@ -29,6 +32,23 @@ def with_frames(mesh: Mesh, materials: tuple[Material, ...]) -> Mesh:
     if uv_set not in known:
         known[uv_set] = with_tangents(mesh, uv_set)
     return known[uv_set]
+
+
+def framed_alike(key: Mesh, framed: Mesh, first: Mesh, materials: tuple[Material, ...]) -> Mesh:
+    """A later key of a mesh, with tangents where `framed`, made of the first key, has got some: row by row as these."""
+    if framed is first:
+        return key
+    assert key.normals is not None
+    assert framed.normals is not None
+    assert framed.normal_triangles is not None
+    uv_set = next(uv_set for material in materials for uv_set in _sets_asked_for(material))
+    before = (key.triangles if key.normal_triangles is None else key.normal_triangles).reshape(-1)
+    now = framed.normal_triangles.reshape(-1)
+    # A row of the normals is one corner's as much as another's.
+    corner = np.zeros(len(framed.normals), dtype=np.int64)
+    corner[now] = np.arange(len(now))
+    tangents = corner_tangents(key, uv_set).reshape(-1, 4)[corner]
+    return dataclasses.replace(key, normals=key.normals[before[corner]], normal_triangles=framed.normal_triangles, tangents=tangents)
 
 
 def _sets_asked_for(material: Material) -> list[int]:

@@ -116,6 +116,9 @@ INSTANCE = np.dtype(
         ("checksum", i32),  # of what stands at its place: equal rows are equal shapes
         ("lamp", i32),  # 1 + row of the light whose surface it is; 0: of none
         ("detailed", i32),  # 1: a material of it asks where on the object it is: solid and tri-planar textures, bump maps
+        ("key", i32),  # of a mesh that bends while the shutter is open, 1 + the number of the key that is past; the next one's row of
+        # meshes follows `mesh`; 0: it does not bend
+        ("share", f32),  # of the way from the key that is past to the next one
     ],
     align=True,
 )

@@ -20,6 +20,7 @@ from ..shading.surface import (
     barycentrics_of_hit,
     surface_at,
     to_raster,
+    vertices_at,
 )
 from ..shading.visible import visible_point
 
@@ -32,6 +33,14 @@ f32 = np.float32
 def _vertex(positions, mesh, row: int) -> Vec3:
     i = mesh["position"] + row
     return Vec3(positions[i, 0], positions[i, 1], positions[i, 2])
+
+
+@kernel
+def _keys(meshes, exact):
+    """Where the keys of meshes that bend are found; None, known to the compiler, for doors that meet nothing that moves."""
+    if exact is None:
+        return None
+    return meshes
 
 
 @kernel
@@ -55,8 +64,8 @@ def hit_point(scene, accelerator, hit, o: Vec3, d: Vec3) -> SurfacePoint:
     instance = instances[hit.instance]
     if hit.triangle < 0:
         return exact_at(instances, hit.instance, accelerator[5], ray_without_view(o, d), hit.t, hit.triangle, hit.u, hit.v)
-    w = barycentrics_of_hit(hit.u, hit.v)
-    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], hit.triangle, w)
+    w, keys = barycentrics_of_hit(hit.u, hit.v), _keys(meshes, accelerator[5])
+    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], hit.triangle, w, keys)
 
 
 @outlined
@@ -82,8 +91,7 @@ def lens_hit_point(scene, accelerator, hit, ray: ViewRay) -> SurfacePoint:
     instance = instances[hit.instance]
     if hit.triangle < 0:
         return exact_at(instances, hit.instance, accelerator[5], ray, hit.t, hit.triangle, hit.u, hit.v)
-    mesh = meshes[instance["mesh"]]
-    row = mesh["triangle"] + hit.triangle
-    v0, v1 = _vertex(positions, mesh, triangles[row, 0]), _vertex(positions, mesh, triangles[row, 1])
-    w = _weights_seen_by(instance, v0, v1, _vertex(positions, mesh, triangles[row, 2]), ray, hit)
-    return surface_at((positions, triangles, attributes, slots), instance, mesh, hit.triangle, w)
+    mesh, keys = meshes[instance["mesh"]], _keys(meshes, accelerator[5])
+    v0, v1, v2 = vertices_at(positions, triangles, instance, mesh, hit.triangle, keys)
+    w = _weights_seen_by(instance, v0, v1, v2, ray, hit)
+    return surface_at((positions, triangles, attributes, slots), instance, mesh, hit.triangle, w, keys)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from animated_gltf import TRIANGLE, channel, pointer
 
 from limner.errors import LimnerWarning
 from limner.files.load import load
@@ -19,21 +20,7 @@ from limner.scene.material import MetallicRoughness
 from limner.scene.scene import Scene
 from limner.scene.texture import Texture
 
-TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 KHRONOS = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "khronos"
-
-
-def channel(writer: Any, target: dict[str, Any], times: Any, values: Any, interpolation: str = "LINEAR", **fields: Any) -> None:
-    """Add a channel to the document's only animation."""
-    animation = writer.document.setdefault("animations", [{"name": "go", "samplers": [], "channels": []}])[0]
-    sampler = {"input": writer.accessor(times), "output": writer.accessor(values, **fields), "interpolation": interpolation}
-    animation["samplers"].append(sampler)
-    animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
-
-
-def pointer(path: str) -> dict[str, Any]:
-    """The target of KHR_animation_pointer."""
-    return {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": path}}}
 
 
 def place(scene: Scene, path: str) -> np.ndarray:

@@ -185,6 +185,17 @@ def test_diffuse(tmp_path: Path) -> None:
     assert_allclose(encoded, (1.0, ((128 / 255 + 0.055) / 1.055) ** 2.4, 0.0), rtol=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore::limner.errors.LimnerWarning")
+def test_rough_diffuse(tmp_path: Path) -> None:
+    """Slopes that vary by alpha / sqrt(2) along an axis; what the short formula leaves out is said where the file asks for it."""
+    fast = '<boolean name="use_fast_approx" value="true"/>'
+    for alpha, degrees in (("", math.degrees(0.2 / math.sqrt(2.0))), ('<float name="alpha" value="0.5"/>', 20.257117)):
+        assert_allclose(material_of(tmp_path, bsdf_of("roughdiffuse", alpha, fast)).roughness_degrees, degrees, rtol=1e-5)
+    assert material_of(tmp_path, bsdf_of("diffuse")).roughness_degrees == 0.0
+    shapes = [f'<shape type="sphere">{bsdf_of("roughdiffuse", one)}</shape>' for one in (fast, "")]
+    assert [any("short formula" in note for note in scene_of(tmp_path, shape).notes) for shape in shapes] == [False, True]
+
+
 @pytest.mark.parametrize(("alpha", "roughness"), [(0.25, 0.5), (0.01, 0.1), (1.0, 1.0)])
 def test_alpha_is_the_square_of_roughness(tmp_path: Path, alpha: float, roughness: float) -> None:
     """For metals, coats and glass alike."""

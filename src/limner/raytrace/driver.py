@@ -16,6 +16,7 @@ from ..accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE, Accelera
 from ..kernel.sampler_kinds import SOBOL, columns_of
 from ..tables import layouts
 from ..tables.build import View
+from ..tables.facets import facets_of
 from ..tables.layouts import INSTANTS_ARRAYS, LIGHTING_ARRAYS, SCENE_ARRAYS, Instants, Lighting, SceneTables
 from ..tiles import PerThread, Tile, run_all, tiles_of
 from .eight import BLOCK, STATE_SIZE, WORDS_SIZE
@@ -68,8 +69,8 @@ _TRACE_MATTE = Door(
     "trace_matte_tile",
     (
         *(Array(layouts.MATTE_MATERIAL, 1) if kind == Array(layouts.MATERIAL, 1) else kind for kind in _PICTURE),
-        Array(np.float32, 1), Array(np.int64, 1), Array(np.int32, 1), _NO_ENDS, Array(np.float32, 1), Array(np.int32, 1),
-        Array(np.float32, 1), Array(np.float32, 2), Array(np.float32, 3), *_TILE[3:],
+        Array(np.float32, 1), Array(np.int64, 1), Array(np.int32, 1), _NO_ENDS, Array(np.float32, 2), Array(np.int32, 2),
+        Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.float32, 2), Array(np.float32, 3), *_TILE[3:],
     ),
     "the path renderer of matte scenes",
 )  # fmt: skip
@@ -222,7 +223,7 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
             # Uncompiled, eight at once are no faster, and a story of a path is one of one path.
             return _TRACE_MATTE.bind(
                 *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk,
-                stage.lighting.emitters.view(np.float32), np.empty(WORDS_SIZE, dtype=np.int32), np.zeros(STATE_SIZE, dtype=np.float32),
+                *facets_of(stage.tables), stage.lighting.emitters.view(np.float32), np.empty(WORDS_SIZE, dtype=np.int32), np.zeros(STATE_SIZE, dtype=np.float32),
                 np.empty((BLOCK, 4), dtype=np.float32), film,
             )  # fmt: skip
         return _TRACE_PATH.serving(stage.needs_exact(), stage.needs_layers()).bind(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 __all__ = [
-    "AIM", "BLOCK", "BULGE", "CARRIED", "DEPTH", "DIRECTION", "DRAWN", "FROM_SKY", "LAMPS", "LAST", "NORMAL", "ORIGIN", "PAINT", "PATH",
-    "PDF", "PIXEL", "POSITION", "REACH", "REACHING", "SAMPLE", "SHADING_NORMAL", "STATE_SIZE", "THROUGHPUT", "TOTAL", "WORDS_SIZE",
+    "AIM", "BARYCENTRIC", "BLOCK", "BULGE", "CARRIED", "DEPTH", "DIRECTION", "DRAWN", "FROM_SKY", "INSTANCE", "LAMPS", "LAST", "NEXT_COLUMN", "NEXT_DIRECTION", "NEXT_ORIGIN", "NEXT_PIXEL", "NEXT_ROW", "NEXT_SAMPLE", "NORMAL", "ORIGIN", "PAINT", "PATH",
+    "PDF", "PIXEL", "POSITION", "REACH", "REACHING", "SAMPLE", "SHADING_NORMAL", "STATE_SIZE", "THROUGHPUT", "TOTAL", "TRIANGLE", "WORDS_SIZE",
 ]  # fmt: skip
 
 BLOCK = 2048
@@ -16,8 +16,11 @@ ORIGIN, DIRECTION, THROUGHPUT, TOTAL, LAST, PDF, CARRIED = 0, 3, 6, 9, 12, 15, 1
 POSITION, NORMAL, SHADING_NORMAL, BULGE, REACH, PAINT, LAMPS, FROM_SKY = 17, 20, 23, 26, 29, 30, 33, 36
 # points drawn one by one; the shadow ray and how far it reaches
 DRAWN, AIM, REACHING = 39, 41, 44
-STATE_SIZE = 8 * 45
+# where on its triangle the ray hit; the rays of the paths that begin next
+BARYCENTRIC, NEXT_ORIGIN, NEXT_DIRECTION = 45, 47, 50
+STATE_SIZE = 8 * 53
 
-# Rows of int32: the path's place in its block, -1 for none; its pixel's word; its sample; how often it was scattered
-PATH, PIXEL, SAMPLE, DEPTH = 0, 1, 2, 3
-WORDS_SIZE = 8 * 4
+# Rows of int32: the path's place in its block, -1 for none; its pixel's word; its sample; how often it was scattered; the instance and the
+# triangle where it is, -1 if the state has the surface already; pixel's word, column, row and sample of the paths that begin next
+PATH, PIXEL, SAMPLE, DEPTH, INSTANCE, TRIANGLE, NEXT_PIXEL, NEXT_COLUMN, NEXT_ROW, NEXT_SAMPLE = range(10)
+WORDS_SIZE = 8 * 10

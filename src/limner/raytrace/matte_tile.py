@@ -17,24 +17,28 @@ from .._jit import kernel, outlined
 from ..accel.blocked_walk import is_blocked
 from ..accel.walk import exact_tables, first_hit
 from ..kernel.frame import frame_from_normal, to_world
-from ..kernel.lanes import any_of, f32x8, i32x8, lanes_of, load8, mask_of, store8, where
+from ..kernel.lanes import any_of, f32x8, i32x8, lanes_of, load8, mask_of, spread, store8, to_float, where
 from ..kernel.rng import pixel_word, word
 from ..kernel.sampler import SOBOL, Sampler, draw_1d, draw_2d
 from ..kernel.sampler_lanes import draw_1d_of_eight, draw_2d_of_eight
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, max_component, normalize
 from ..kernel.warp import pdf_hemisphere_cosine, warp_hemisphere_cosine
-from ..shading.analytic import view_ray
+from ..shading.analytic import through_pinhole, view_ray
 from ..shading.bsdf import resolve_matte
 from ..shading.emitters_lanes import sample_emitters
+from ..shading.facets import facets_at
 from ..shading.lambert import eval_lambert
 from ..shading.lights import ambient_level
 from ..shading.sky import pdf_sky, sky_radiance
 from ..shading.surface import flip_to_front
+from ..tables.facets import IS_PLAIN
+from ..tables.layouts import PERSPECTIVE
 from ..visibility.hit import hit_point
 from ..visibility.shadow import aimed
 from ..visibility.spawn import pushed
 from .eight import (
     AIM,
+    BARYCENTRIC,
     BLOCK,
     BULGE,
     CARRIED,
@@ -42,8 +46,15 @@ from .eight import (
     DIRECTION,
     DRAWN,
     FROM_SKY,
+    INSTANCE,
     LAMPS,
     LAST,
+    NEXT_COLUMN,
+    NEXT_DIRECTION,
+    NEXT_ORIGIN,
+    NEXT_PIXEL,
+    NEXT_ROW,
+    NEXT_SAMPLE,
     NORMAL,
     ORIGIN,
     PAINT,
@@ -57,6 +68,7 @@ from .eight import (
     SHADING_NORMAL,
     THROUGHPUT,
     TOTAL,
+    TRIANGLE,
 )  # fmt: skip
 from .lens import lens_ray
 from .path import (
@@ -115,22 +127,44 @@ def _sampler(rules: Rules, words, k: int) -> Sampler:
 
 
 @kernel
-def _begin(camera, rules: Rules, words, state, k: int, path: int, i: int, j: int, sample: int) -> None:
-    """Let a path of pixel (i, j) begin in lane k."""
-    words[8 * PATH + k], words[8 * SAMPLE + k], words[8 * DEPTH + k] = path, sample, 0
-    words[8 * PIXEL + k] = i64(pixel_word(rules.seed, i, j))
-    sampler = _sampler(rules, words, k)
+def _write_ray(camera, rules: Rules, words, state, k: int) -> None:
+    """The ray of the path that begins k-th of the next eight."""
+    sampler = Sampler(rules.sampler, word(i64(words[8 * NEXT_PIXEL + k])), i64(words[8 * NEXT_SAMPLE + k]), rules.n, rules.columns)
     dx, dy = draw_2d(sampler, 0)
-    x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
+    x, y = f32(words[8 * NEXT_COLUMN + k]) + dx - _HALF, f32(words[8 * NEXT_ROW + k]) + dy - _HALF
     ray = view_ray(camera, x, y)
     if camera["aperture_radius"] > ZERO:
         u, v = draw_2d(sampler, LENS)
         ray = lens_ray(camera, x, y, u, v)
-    _write(state, ORIGIN, k, ray.o.x, ray.o.y, ray.o.z)
-    _write(state, DIRECTION, k, ray.d.x, ray.d.y, ray.d.z)
-    _write(state, THROUGHPUT, k, ONE, ONE, ONE)
-    _write(state, TOTAL, k, ZERO, ZERO, ZERO)
-    state[8 * CARRIED + k] = ONE
+    _write(state, NEXT_ORIGIN, k, ray.o.x, ray.o.y, ray.o.z)
+    _write(state, NEXT_DIRECTION, k, ray.d.x, ray.d.y, ray.d.z)
+
+
+@kernel
+def _make_ready(camera, rules: Rules, words, state, n: int) -> None:
+    """Find the rays of the paths that begin next, whose pixels and samples stand in the words."""
+    if rules.sampler != SOBOL or camera["kind"] != PERSPECTIVE or camera["aperture_radius"] > ZERO:
+        for k in range(n):
+            _write_ray(camera, rules, words, state, k)
+        return
+    pixel = load8(words, 8 * NEXT_PIXEL)
+    dx, dy = draw_2d_of_eight(pixel, load8(words, 8 * NEXT_SAMPLE), pixel * i32(0))
+    x, y = to_float(load8(words, 8 * NEXT_COLUMN)) + dx - _HALF, to_float(load8(words, 8 * NEXT_ROW)) + dy - _HALF
+    o, d = through_pinhole(camera, x, y)
+    _store(state, NEXT_ORIGIN, spread(o.x, x), spread(o.y, x), spread(o.z, x))
+    _store(state, NEXT_DIRECTION, d.x, d.y, d.z)
+
+
+@kernel
+def _begin(words, state, k: int, path: int, place: int) -> None:
+    """Let the path that stands ready in a place begin in lane k."""
+    words[8 * PATH + k], words[8 * PIXEL + k] = path, words[8 * NEXT_PIXEL + place]
+    words[8 * SAMPLE + k], words[8 * DEPTH + k] = words[8 * NEXT_SAMPLE + place], 0
+    for row in range(3):
+        state[8 * (ORIGIN + row) + k] = state[8 * (NEXT_ORIGIN + row) + place]
+        state[8 * (DIRECTION + row) + k] = state[8 * (NEXT_DIRECTION + row) + place]
+        state[8 * (THROUGHPUT + row) + k] = ONE
+        state[8 * (TOTAL + row) + k] = ZERO
 
 
 @kernel
@@ -157,7 +191,9 @@ def _around(lighting, lights, background, rules: Rules, is_first: bool, d: Vec3,
 
 
 @kernel
-def _follow(scene, accelerator, lighting, media, camera, background, rules: Rules, words, state, k: int, stack, found) -> bool:
+def _follow(
+    scene, accelerator, lighting, media, camera, background, rules: Rules, places, has_others: bool, words, state, k: int, stack, found
+) -> bool:  # fmt: skip
     """Follow the ray of lane k to its surface. Whether it is scattered there: if not, the path has ended."""
     instances, materials, lights = scene[0], scene[6], scene[7]
     o, d, t = _read(state, ORIGIN, k), _read(state, DIRECTION, k), _read(state, THROUGHPUT, k)
@@ -170,6 +206,14 @@ def _follow(scene, accelerator, lighting, media, camera, background, rules: Rule
         total = _read(state, TOTAL, k)
         _end(words, state, k, Color(total.x, total.y, total.z) + light, alpha, found)
         return False
+    if hit.triangle >= 0 and places[hit.instance, IS_PLAIN] != 0 and not has_others:
+        if depth >= rules.max_depth:
+            total = _read(state, TOTAL, k)
+            _end(words, state, k, Color(total.x, total.y, total.z), ONE, found)
+            return False
+        words[8 * INSTANCE + k], words[8 * TRIANGLE + k] = hit.instance, hit.triangle
+        state[8 * BARYCENTRIC + k], state[8 * BARYCENTRIC + 8 + k] = hit.u, hit.v
+        return True
     point = hit_point(scene, accelerator, hit, o, d)
     wo = normalize(-d) if is_first else -d
     material = materials[point.material]
@@ -195,8 +239,9 @@ def _follow(scene, accelerator, lighting, media, camera, background, rules: Rule
     _write(state, SHADING_NORMAL, k, ns.x, ns.y, ns.z)
     _write(state, BULGE, k, bulge.x, bulge.y, bulge.z)
     _write(state, PAINT, k, paint.r, paint.g, paint.b)
+    words[8 * TRIANGLE + k] = -1
     state[8 * REACH + k] = point.reach
-    if lights.shape[0] > 0 or is_asked(lighting, rules):
+    if has_others:
         sampler = _sampler(rules, words, k)
         first, dimension = FIRST_LIGHT - depth * lights.shape[0], 1 + depth * PER_SURFACE
         lamps = from_lights(scene, accelerator, media, 0, rules, sampler, first, point, bsdf, False, wo, stack)
@@ -206,6 +251,30 @@ def _follow(scene, accelerator, lighting, media, camera, background, rules: Rule
             sky = sky_asked(scene, accelerator, lighting, media, 0, rules, sampler, dimension, point, bsdf, wo, stack)
         _write(state, FROM_SKY, k, sky.r, sky.g, sky.b)
     return True
+
+
+@kernel
+def _find_surfaces(positions, triangles, numbers, places, words, state) -> None:
+    """Look up the surfaces that `_follow` has left to be looked up together."""
+    triangle = load8(words, 8 * TRIANGLE)
+    is_here = (triangle >= i32(0)) & (load8(words, 8 * PATH) >= i32(0))
+    if not any_of(is_here):
+        return
+    instance, triangle = where(is_here, load8(words, 8 * INSTANCE), i32(0)), where(is_here, triangle, i32(0))
+    back = -_load(state, DIRECTION)
+    wo = where(load8(words, 8 * DEPTH) == i32(0), normalize(back), back)
+    u, v = load8(state, 8 * BARYCENTRIC), load8(state, 8 * BARYCENTRIC + 8)
+    facets = facets_at(positions, triangles, numbers, places, instance, triangle, u, v, wo)
+    p, n = where(is_here, facets.position, _load(state, POSITION)), where(is_here, facets.n, _load(state, NORMAL))
+    ns, paint = where(is_here, facets.n, _load(state, SHADING_NORMAL)), where(is_here, facets.paint, _load_color(state, PAINT))
+    zero = spread(ZERO, u)
+    bulge = where(is_here, Vec3(zero, zero, zero), _load(state, BULGE))
+    _store(state, POSITION, p.x, p.y, p.z)
+    _store(state, NORMAL, n.x, n.y, n.z)
+    _store(state, SHADING_NORMAL, ns.x, ns.y, ns.z)
+    _store(state, BULGE, bulge.x, bulge.y, bulge.z)
+    _store(state, PAINT, paint.r, paint.g, paint.b)
+    store8(state, 8 * REACH, where(is_here, facets.reach, load8(state, 8 * REACH)))
 
 
 @outlined
@@ -308,12 +377,22 @@ def _scatter(accelerator, instances, lighting, emitters, rules: Rules, has_other
 
 
 @kernel
+def _add_block(film, found, start: int, size: int, samples: int, first_column: int, first_row: int, columns: int) -> None:
+    """Add what the paths of a block have found to the film, in their order."""
+    for path in range(size):
+        pixel = (start + path) // samples
+        i, j = first_column + pixel % columns, first_row + pixel // columns
+        for channel in range(4):
+            film[j, i, channel] += found[path, channel]
+
+
+@kernel
 def trace_matte_tile(
     instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels,
     nodes, packs, tags, primitives, planes,
     header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
     media, instants, moving, cameras, background, rule_numbers,
-    stack, ends, emitter_words, words, state, found, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    stack, ends, numbers, places, emitter_words, words, state, found, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some paths for every pixel of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
@@ -323,6 +402,9 @@ def trace_matte_tile(
     has_others = lights.shape[0] > 0 or is_asked(lighting, rules)
     samples = last_sample - first_sample
     paths = columns * rows * samples
+    # The pixel and the sample of the path that is to be made ready next
+    i, j, sample = first_column, first_row, first_sample
+    pixel = i64(pixel_word(rules.seed, i, j))
     for k in range(8):
         words[8 * PATH + k] = -1
     for start in range(0, paths, BLOCK):
@@ -335,22 +417,31 @@ def trace_matte_tile(
                     if words[8 * PATH + k] < 0:
                         if following == size:
                             break
-                        pixel, sample = (start + following) // samples, first_sample + (start + following) % samples
-                        i, j = first_column + pixel % columns, first_row + pixel // columns
-                        _begin(camera, rules, words, state, k, following, i, j, sample)
+                        if following % 8 == 0:
+                            ready = min(8, size - following)
+                            for place in range(ready):
+                                words[8 * NEXT_PIXEL + place], words[8 * NEXT_SAMPLE + place] = pixel, sample
+                                words[8 * NEXT_COLUMN + place], words[8 * NEXT_ROW + place] = i, j
+                                sample += 1
+                                if sample == last_sample:
+                                    sample, i = first_sample, i + 1
+                                    if i == first_column + columns:
+                                        i, j = first_column, j + 1
+                                    pixel = i64(pixel_word(rules.seed, i, j))
+                            _make_ready(camera, rules, words, state, ready)
+                        _begin(words, state, k, following, following % 8)
                         following += 1
-                    if _follow(scene, accelerator, lighting, media, camera, background, rules, words, state, k, stack, found):
+                    if _follow(
+                        scene, accelerator, lighting, media, camera, background, rules, places, has_others, words, state, k, stack, found
+                    ):
                         under_way += 1
                         break
             if under_way == 0:
                 break
+            _find_surfaces(positions, triangles, numbers, places, words, state)
             ended = _scatter(accelerator, instances, lighting, emitter_words, rules, has_others, words, state, stack)
             for k in range(8):
                 if ended >> k & 1 != 0 and words[8 * PATH + k] >= 0:
                     total = _read(state, TOTAL, k)
                     _end(words, state, k, Color(total.x, total.y, total.z), ONE, found)
-        for path in range(size):
-            pixel = (start + path) // samples
-            i, j = first_column + pixel % columns, first_row + pixel // columns
-            for channel in range(4):
-                film[j, i, channel] += found[path, channel]
+        _add_block(film, found, start, size, samples, first_column, first_row, columns)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel, outlined
+from .._jit import inlined, kernel, outlined
 from ..intersect.box import meet_box, moved_on
 from ..intersect.csg import intersect_csg
 from ..intersect.distance_field import intersect_distance_field
@@ -35,7 +35,7 @@ from .layouts import (
 
 __all__ = [
     "Hit", "edges_of", "exact_tables", "first_hit", "hit_of_others", "line_of", "line_within", "met_boxes", "miss", "nearest", "occluded",
-    "pack_hit", "slack_of",
+    "pack_hit", "slack_of", "walk",
 ]  # fmt: skip
 
 f32 = np.float32
@@ -115,7 +115,7 @@ def _unbounded_hit(instances, planes, exact, o: Vec3, d: Vec3, t_min: np.float32
     return best
 
 
-@kernel
+@inlined
 def pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
     """The nearer of `best` and the triangles of a pack; `owner`: the instance in whose space it stands, 0 in the world's."""
     place = PACK_WORDS * pack
@@ -229,8 +229,8 @@ def met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float3
     return enter, mask_of(enter <= leave)
 
 
-@kernel
-def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
+@inlined
+def walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
     """The nearest hit in (t_min, t_max), or any; t_min >= 0.
 
     What waits is on `stack` (int32), two words each: the link, and the bits of where the ray enters its box, the nearest on top; it is
@@ -290,18 +290,18 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
 @kernel
 def nearest(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> Hit:
     """The nearest hit in (t_min, t_max); single-sided triangles are met from their front only. t is infinite for a miss."""
-    hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, False, False)
+    hit = walk(accelerator, instances, o, d, t_min, t_max, stack, False, False, False)
     return hit if hit.instance >= 0 else miss(_INFINITY)
 
 
 @kernel
 def first_hit(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool, stack) -> Hit:
     """The nearest hit in (t_min, t_max); `both_sides`: single-sided triangles are met from behind as well. t is infinite for a miss."""
-    hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
+    hit = walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
     return hit if hit.instance >= 0 else miss(_INFINITY)
 
 
 @kernel
 def occluded(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> bool:
     """Whether anything opaque lies in (t_min, t_max); both sides of every triangle count."""
-    return _walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance != -1
+    return walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance != -1

@@ -223,8 +223,8 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
             # Uncompiled, eight at once are no faster, and a story of a path is one of one path.
             return _TRACE_MATTE.bind(
                 *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk,
-                *facets_of(stage.tables), stage.lighting.emitters.view(np.float32), np.empty(WORDS_SIZE, dtype=np.int32), np.zeros(STATE_SIZE, dtype=np.float32),
-                np.empty((BLOCK, 4), dtype=np.float32), film,
+                *facets_of(stage.tables), stage.lighting.emitters.view(np.float32), np.full(WORDS_SIZE, -1, dtype=np.int32),
+                np.zeros(STATE_SIZE, dtype=np.float32), np.empty((BLOCK, 4), dtype=np.float32), film,
             )  # fmt: skip
         return _TRACE_PATH.serving(stage.needs_exact(), stage.needs_layers()).bind(
             *stage.arguments(), stage.background, rules, *_Scratch(stage.needs_exact()).walk, film

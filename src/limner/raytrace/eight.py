@@ -1,10 +1,11 @@
-"""Where eight paths stand that are traced together (`limner.raytrace.matte_tile`): numbers of one kind beside one another, eight to a row."""
+"""Where eight paths stand that are traced together (`limner.raytrace.matte_tile`): numbers of one kind side by side, eight to a row."""
 
 from __future__ import annotations
 
 __all__ = [
-    "AIM", "BARYCENTRIC", "BLOCK", "BULGE", "CARRIED", "DEPTH", "DIRECTION", "DRAWN", "FROM_SKY", "INSTANCE", "LAMPS", "LAST", "NEXT_COLUMN", "NEXT_DIRECTION", "NEXT_ORIGIN", "NEXT_PIXEL", "NEXT_ROW", "NEXT_SAMPLE", "NORMAL", "ORIGIN", "PAINT", "PATH",
-    "PDF", "PIXEL", "POSITION", "REACH", "REACHING", "SAMPLE", "SHADING_NORMAL", "STATE_SIZE", "THROUGHPUT", "TOTAL", "TRIANGLE", "WORDS_SIZE",
+    "AIM", "BARYCENTRIC", "BLOCK", "BULGE", "CARRIED", "DEPTH", "DIRECTION", "DRAWN", "FROM_SKY", "INSTANCE", "LAMPS", "LAST",
+    "NEXT_COLUMN", "NEXT_DIRECTION", "NEXT_ORIGIN", "NEXT_PIXEL", "NEXT_ROW", "NEXT_SAMPLE", "NORMAL", "ORIGIN", "PAINT", "PATH", "PDF",
+    "PIXEL", "POSITION", "REACH", "REACHING", "SAMPLE", "SHADING_NORMAL", "STATE_SIZE", "THROUGHPUT", "TOTAL", "TRIANGLE", "WORDS_SIZE",
 ]  # fmt: skip
 
 BLOCK = 2048

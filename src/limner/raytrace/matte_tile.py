@@ -14,10 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from .._jit import kernel, outlined
-from ..accel.blocked_walk import is_blocked
-from ..accel.walk import exact_tables, first_hit
+from ..accel.in_place import first_hit_in_place, is_blocked
+from ..accel.walk import exact_tables
 from ..kernel.frame import frame_from_normal, to_world
-from ..kernel.lanes import any_of, f32x8, i32x8, lanes_of, load8, mask_of, spread, store8, to_float, where
+from ..kernel.lanes import any_of, f32x8, lanes_of, load8, mask_of, spread, store8, to_float, where
 from ..kernel.rng import pixel_word, word
 from ..kernel.sampler import SOBOL, Sampler, draw_1d, draw_2d
 from ..kernel.sampler_lanes import draw_1d_of_eight, draw_2d_of_eight
@@ -142,7 +142,7 @@ def _write_ray(camera, rules: Rules, words, state, k: int) -> None:
 
 @kernel
 def _make_ready(camera, rules: Rules, words, state, n: int) -> None:
-    """Find the rays of the paths that begin next, whose pixels and samples stand in the words."""
+    """Find the rays of the n paths that begin next, whose pixels and samples stand in the words."""
     if rules.sampler != SOBOL or camera["kind"] != PERSPECTIVE or camera["aperture_radius"] > ZERO:
         for k in range(n):
             _write_ray(camera, rules, words, state, k)
@@ -153,6 +153,29 @@ def _make_ready(camera, rules: Rules, words, state, n: int) -> None:
     o, d = through_pinhole(camera, x, y)
     _store(state, NEXT_ORIGIN, spread(o.x, x), spread(o.y, x), spread(o.z, x))
     _store(state, NEXT_DIRECTION, d.x, d.y, d.z)
+
+
+@kernel
+def _signed_pixel_word(rules: Rules, i: int, j: int) -> np.int64:
+    """What lanes, which are signed, make of a pixel's word."""
+    pixel = i64(pixel_word(rules.seed, i, j))
+    return pixel - ((pixel >> 31) << 32)
+
+
+@kernel
+def _list_next(rules: Rules, words, n: int, i: int, j: int, sample: int, first_column: int, end_column: int, first_sample, last_sample):
+    """Write down whose the n paths are that begin next, from a sample of pixel (i, j) on; the (i, j, sample) that comes after them."""
+    pixel = _signed_pixel_word(rules, i, j)
+    for place in range(n):
+        words[8 * NEXT_PIXEL + place], words[8 * NEXT_SAMPLE + place] = pixel, sample
+        words[8 * NEXT_COLUMN + place], words[8 * NEXT_ROW + place] = i, j
+        sample += 1
+        if sample == last_sample:
+            sample, i = first_sample, i + 1
+            if i == end_column:
+                i, j = first_column, j + 1
+            pixel = _signed_pixel_word(rules, i, j)
+    return i, j, sample
 
 
 @kernel
@@ -200,7 +223,7 @@ def _follow(
     throughput, depth = Color(t.x, t.y, t.z), i64(words[8 * DEPTH + k])
     is_first = depth == 0
     t_min, t_max = (camera["near"], camera["far"]) if is_first else (ZERO, _INFINITY)
-    hit = first_hit(accelerator, instances, o, d, t_min, t_max, not is_first, stack)
+    hit = first_hit_in_place(accelerator, instances, o, d, t_min, t_max, not is_first, stack)
     if hit.instance < 0:
         light, alpha = _around(lighting, lights, background, rules, is_first, d, state[8 * PDF + k], throughput)
         total = _read(state, TOTAL, k)
@@ -392,7 +415,8 @@ def trace_matte_tile(
     nodes, packs, tags, primitives, planes,
     header, sky, sky_cumulative, emitters, blurred, camera_table, raster_from_object,
     media, instants, moving, cameras, background, rule_numbers,
-    stack, ends, numbers, places, emitter_words, words, state, found, film, tile, first_column, first_row, columns, rows, first_sample, last_sample,
+    stack, ends, numbers, places, emitter_words, words, state, found, film,
+    tile, first_column, first_row, columns, rows, first_sample, last_sample,
 ):  # fmt: skip
     """Trace some paths for every pixel of a tile and add them to the film (height, width, 4), premultiplied, row 0 at the bottom."""
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
@@ -402,9 +426,7 @@ def trace_matte_tile(
     has_others = lights.shape[0] > 0 or is_asked(lighting, rules)
     samples = last_sample - first_sample
     paths = columns * rows * samples
-    # The pixel and the sample of the path that is to be made ready next
-    i, j, sample = first_column, first_row, first_sample
-    pixel = i64(pixel_word(rules.seed, i, j))
+    i, j, sample, end_column = first_column, first_row, first_sample, first_column + columns
     for k in range(8):
         words[8 * PATH + k] = -1
     for start in range(0, paths, BLOCK):
@@ -419,21 +441,16 @@ def trace_matte_tile(
                             break
                         if following % 8 == 0:
                             ready = min(8, size - following)
-                            for place in range(ready):
-                                words[8 * NEXT_PIXEL + place], words[8 * NEXT_SAMPLE + place] = pixel, sample
-                                words[8 * NEXT_COLUMN + place], words[8 * NEXT_ROW + place] = i, j
-                                sample += 1
-                                if sample == last_sample:
-                                    sample, i = first_sample, i + 1
-                                    if i == first_column + columns:
-                                        i, j = first_column, j + 1
-                                    pixel = i64(pixel_word(rules.seed, i, j))
+                            i, j, sample = _list_next(
+                                rules, words, ready, i, j, sample, first_column, end_column, first_sample, last_sample
+                            )
                             _make_ready(camera, rules, words, state, ready)
                         _begin(words, state, k, following, following % 8)
                         following += 1
-                    if _follow(
+                    meets_surface = _follow(
                         scene, accelerator, lighting, media, camera, background, rules, places, has_others, words, state, k, stack, found
-                    ):
+                    )
+                    if meets_surface:
                         under_way += 1
                         break
             if under_way == 0:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-
 from .._jit import kernel
 from ..kernel.lanes import at, f32x8, i32x8, max, where
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, normalize
@@ -48,7 +47,7 @@ def _greatest(a: f32x8, b: f32x8, c: f32x8) -> f32x8:
 
 @kernel
 def facets_at(positions, triangles, numbers, places, instance: i32x8, triangle: i32x8, u: f32x8, v: f32x8, wo: Vec3) -> Facets:
-    """`surface_at` for eight hits that are seen from wo, turned as by `flip_to_front`; every index must be of some instance and triangle."""
+    """`surface_at` for eight hits that are seen from wo, turned as by `flip_to_front`; every index must be one that there is."""
     row, start = triangle + at(places, (instance, FIRST_TRIANGLE)), at(places, (instance, FIRST_POSITION))
     o0 = _vertex(positions, start + at(triangles, (row, 0)))
     o1 = _vertex(positions, start + at(triangles, (row, 1)))

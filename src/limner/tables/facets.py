@@ -19,7 +19,7 @@ _N_PLACES = 4
 
 
 def facets_of(tables: SceneTables) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """(instances, 24) float32: two matrices and the material's colour; (instances, 4) int32: where its mesh begins, and whether it is plain.
+    """(instances, 24) float32: matrices and the material's colour; (instances, 4) int32: where its mesh begins, and whether it is plain.
 
     Plain are meshes without normals, vertex colours and several materials, of a matte material that does not shine.
     """

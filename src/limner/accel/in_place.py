@@ -1,27 +1,36 @@
-"""Whether anything stands in a ray's way: the walk of `limner.accel.walk` without what only the nearest hit needs.
+"""Walks that stand in the loop that asks for them, for a tracer that asks in one place and does little else.
 
-No order among the boxes that a ray enters, nothing remembered but links, and the first triangle that is met ends the walk. Shadow rays are
-half of all rays of a path tracer, and most of them meet nothing.
+`first_hit_in_place` is `walk.first_hit`. `is_blocked` is `walk.occluded` without what only a nearest hit needs: no order among the boxes
+that a ray enters, nothing remembered but links, and the first triangle that is met ends the walk. Shadow rays are nearly half of all rays,
+and most of them meet nothing.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .._jit import kernel
+from .._jit import inlined
 from ..intersect.triangle import TurnedRay, hit_triangle
 from ..kernel.lanes import any_of, first_set, load8
 from ..kernel.vec import Vec3
 from .layouts import FIRST_TREE, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, PACK_WORDS, TAG_WORDS, TREE_LINK
-from .walk import hit_of_others, line_of, line_within, met_boxes, miss, occluded
+from .walk import Hit, hit_of_others, line_of, line_within, met_boxes, miss, occluded, walk
 
-__all__ = ["is_blocked"]
+__all__ = ["first_hit_in_place", "is_blocked"]
 
 f32 = np.float32
+_INFINITY = f32(np.inf)
 _LEAVE = -(1 << 31)  # where a mesh's tree ends: back to the world
 
 
-@kernel
+@inlined
+def first_hit_in_place(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool, stack) -> Hit:
+    """`first_hit`"""
+    hit = walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
+    return hit if hit.instance >= 0 else miss(_INFINITY)
+
+
+@inlined
 def _blocked_by_pack(packs, tags, pack: int, ray: TurnedRay, t_min: np.float32, t_max: np.float32) -> bool:
     """Whether an opaque triangle of a pack is met, from either side."""
     place = PACK_WORDS * pack
@@ -33,7 +42,7 @@ def _blocked_by_pack(packs, tags, pack: int, ray: TurnedRay, t_min: np.float32, 
     return any_of(met) and any_of(met & ((load8(tags, TAG_WORDS * pack) & (NOT_PLAIN | NOT_OPAQUE)) == 0))
 
 
-@kernel
+@inlined
 def is_blocked(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> bool:
     """`occluded`, sooner; not of what bends."""
     nodes, packs, tags, primitives, planes, exact = accelerator

@@ -61,14 +61,28 @@ class _InnerLibrary(JITCodeLibrary):  # type: ignore[misc]
         self._finalized = True
 
 
-class _OutlinedLibrary(_InnerLibrary):
-    """IR of a kernel that is called, never inlined."""
+class _MarkedLibrary(_InnerLibrary):
+    """IR of a kernel about which LLVM is told something."""
+
+    attribute: str
 
     def _optimize_functions(self, ll_module: Any) -> None:
         for function in ll_module.functions:
             if not function.is_declaration:
-                function.add_function_attribute("noinline")
+                function.add_function_attribute(self.attribute)
         super()._optimize_functions(ll_module)
+
+
+class _OutlinedLibrary(_MarkedLibrary):
+    """IR of a kernel that is called, never inlined."""
+
+    attribute = "noinline"
+
+
+class _InlinedLibrary(_MarkedLibrary):
+    """IR of a kernel that is inlined wherever it is called."""
+
+    attribute = "alwaysinline"
 
 
 class _DoorLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -157,6 +171,11 @@ class _OutlinedPipeline(_KernelCompiler):
         super().__init__(typingctx, _context(targetctx, _OutlinedLibrary), *args, **kwargs)
 
 
+class _InlinedPipeline(_KernelCompiler):
+    def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
+        super().__init__(typingctx, _context(targetctx, _InlinedLibrary), *args, **kwargs)
+
+
 class _DoorPipeline(_KernelCompiler):
     def __init__(self, typingctx: Any, targetctx: Any, *args: Any, **kwargs: Any) -> None:
         super().__init__(typingctx, _context(targetctx, _DoorLibrary), *args, **kwargs)
@@ -171,9 +190,12 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-def inner_kernel(function: Callable[..., Any], *, outlined: bool = False) -> Any:
-    """Return the Numba dispatcher of a kernel: callable from kernels, not from Python; `outlined`: never inlined."""
-    dispatcher = numba.njit(pipeline_class=_OutlinedPipeline if outlined else _InnerPipeline, **_OPTIONS)(function)
+_PIPELINES = {"": _InnerPipeline, "outlined": _OutlinedPipeline, "inlined": _InlinedPipeline}
+
+
+def inner_kernel(function: Callable[..., Any], *, placed: str = "") -> Any:
+    """Return the Numba dispatcher of a kernel: callable from kernels, not from Python; `placed`: outlined, inlined, or as LLVM likes."""
+    dispatcher = numba.njit(pipeline_class=_PIPELINES[placed], **_OPTIONS)(function)
     template_for = dispatcher.get_call_template
 
     def get_call_template(args: Any, kws: Any) -> Any:

@@ -27,7 +27,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-__all__ = ["MODE", "Call", "kernel", "outlined", "recording"]
+__all__ = ["MODE", "Call", "inlined", "kernel", "outlined", "recording"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -118,7 +118,7 @@ def _traced(function: F) -> F:
 
 def kernel(function: F) -> F:
     """Make `function` a kernel: compiled into doors, plain Python, or recorded, as the mode says."""
-    return _made(function, outlined=False)
+    return _made(function)
 
 
 def outlined(function: F) -> F:
@@ -127,15 +127,24 @@ def outlined(function: F) -> F:
     For what is large and seldom reached from a loop that must be fast: inlined, it would take the loop's registers, be compiled once for
     every caller, and keep its callers from being inlined themselves.
     """
-    return _made(function, outlined=True)
+    return _made(function, placed="outlined")
 
 
-def _made(function: F, *, outlined: bool) -> F:
+def inlined(function: F) -> F:
+    """Make `function` a kernel that stands wherever it is called.
+
+    For what is large and called from few loops that must be fast, and nowhere else: LLVM would call it for its size, and pass its many
+    arguments and its result through memory.
+    """
+    return _made(function, placed="inlined")
+
+
+def _made(function: F, *, placed: str = "") -> F:
     if MODE == "python":
         return function
     if MODE == "traced":
         return _traced(function)
     from ._compile import inner_kernel
 
-    compiled: F = inner_kernel(function, outlined=outlined)
+    compiled: F = inner_kernel(function, placed=placed)
     return compiled

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._jit import kernel, outlined
+from .._jit import inlined, kernel, outlined
 from ..intersect.box import meet_box, moved_on
 from ..intersect.csg import intersect_csg
 from ..intersect.distance_field import intersect_distance_field
@@ -35,7 +35,10 @@ from .layouts import (
     TREE_LINK,
 )  # fmt: skip
 
-__all__ = ["Hit", "edges_of", "exact_tables", "first_hit", "nearest", "occluded", "pack_hit", "slack_of"]
+__all__ = [
+    "Hit", "edges_of", "exact_tables", "first_hit", "hit_of_others", "line_of", "line_within", "met_boxes", "miss", "nearest", "occluded",
+    "pack_hit", "slack_of", "walk",
+]  # fmt: skip
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -70,7 +73,7 @@ _NO_BEND = _Bend(0, ZERO)
 
 
 @kernel
-def _miss(t_max: np.float32) -> Hit:
+def miss(t_max: np.float32) -> Hit:
     return Hit(t_max, -1, -1, ZERO, ZERO)
 
 
@@ -93,12 +96,12 @@ def _exact_hit(instances, row: int, exact, o: Vec3, d: Vec3, t_min: np.float32, 
     shape = instances[row]
     if shape["kind"] == CSG:
         c = intersect_csg(shape, instances, numbers, programs, o, d, t_min, t_max, both_sides, ends)
-        return Hit(c.t, np.int64(c.leaf), surface_code(c.part, c.flipped), ZERO, ZERO) if c.leaf >= 0 else _miss(t_max)
+        return Hit(c.t, np.int64(c.leaf), surface_code(c.part, c.flipped), ZERO, ZERO) if c.leaf >= 0 else miss(t_max)
     if shape["kind"] == DISTANCE_FIELD:
         h = intersect_distance_field(shape, numbers, o, d, t_min, t_max, both_sides, ends)
     else:
         h = intersect_shape(shape, numbers, o, d, t_min, t_max, both_sides)
-    return Hit(h.t, np.int64(row), surface_code(h.part, 0), h.u, h.v) if h.part >= 0 else _miss(t_max)
+    return Hit(h.t, np.int64(row), surface_code(h.part, 0), h.u, h.v) if h.part >= 0 else miss(t_max)
 
 
 @kernel
@@ -124,7 +127,7 @@ def _unbounded_hit(instances, planes, exact, o: Vec3, d: Vec3, t_min: np.float32
     return best
 
 
-@kernel
+@inlined
 def pack_hit(packs, tags, pack: int, ray: TurnedRay, owner: int, t_min, best: Hit, both_sides, opaque_only) -> Hit:
     """The nearer of `best` and the triangles of a pack; `owner`: the instance in whose space it stands, 0 in the world's."""
     place = PACK_WORDS * pack
@@ -196,7 +199,7 @@ def _bend_of(exact, nodes, instance, root: int):
 
 
 @outlined
-def _hit_of_others(
+def hit_of_others(
     instances, tags, primitives, exact, pack: int, o: Vec3, d: Vec3, t_min: np.float32, best: Hit, both_sides: bool, opaque_only: bool,
 ) -> Hit:
     """The nearer of `best` and what in a pack is no triangle."""
@@ -258,7 +261,7 @@ def slack_of(nodes, root: int, ray: TurnedRay) -> np.float32:
 
 
 @kernel
-def _line(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
+def line_of(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
     """The ray for the tree at `root`."""
     ray = turned_ray(o, d)
     inverse = Vec3(ONE / d.x, ONE / d.y, ONE / d.z)
@@ -267,14 +270,14 @@ def _line(nodes, root: int, o: Vec3, d: Vec3) -> _Line:
 
 
 @kernel
-def _line_within(nodes, instance, root: int, o: Vec3, d: Vec3) -> _Line:
+def line_within(nodes, instance, root: int, o: Vec3, d: Vec3) -> _Line:
     """The ray in an instance's own space; its parameter stays what it is."""
     m = instance["object_from_world"]
-    return _line(nodes, root, transform_point(m, o), transform_vector(m, d))
+    return line_of(nodes, root, transform_point(m, o), transform_vector(m, d))
 
 
 @kernel
-def _met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float32):
+def met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float32):
     """(where the ray enters each of a node's boxes, which of them it meets, as bits)"""
     place = NODE_WORDS * node
     x, y, z = line.near_x, line.near_y, line.near_z
@@ -284,8 +287,8 @@ def _met_boxes(nodes, node: int, line: _Line, t_min: np.float32, t_max: np.float
     return enter, mask_of(enter <= leave)
 
 
-@kernel
-def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
+@inlined
+def walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack, any_hit, both_sides, opaque_only) -> Hit:
     """The nearest hit in (t_min, t_max), or any; t_min >= 0.
 
     What waits is on `stack` (int32), two words each: the link, and the bits of where the ray enters its box, the nearest on top; it is
@@ -293,20 +296,20 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
     that leads back.
     """
     nodes, packs, tags, primitives, planes, exact = accelerator
-    best = _unbounded_hit(instances, planes, exact, o, d, t_min, _miss(t_max), both_sides, opaque_only)
+    best = _unbounded_hit(instances, planes, exact, o, d, t_min, miss(t_max), both_sides, opaque_only)
     if any_hit and best.instance != -1:
         return best
     if nodes.shape[0] == 0:
         ray = turned_ray(o, d)
         for pack in range(tags.shape[0] // TAG_WORDS):
             best = pack_hit(packs, tags, pack, ray, 0, t_min, best, both_sides, opaque_only)
-            best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+            best = hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
         return best
-    in_world = _line(nodes, 0, o, d)
+    in_world = line_of(nodes, 0, o, d)
     line, owner, current, top = in_world, 0, 0, 0
     bend = _NO_BEND
     while True:
-        enter, entered = _met_boxes(nodes, current, line, t_min, best.t)
+        enter, entered = met_boxes(nodes, current, line, t_min, best.t)
         link = _NOWHERE
         if entered != 0:
             i = np.int64(first_set(entered))
@@ -320,7 +323,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
                 pack = (-1 - link) >> 1
                 best = _hit_of_triangles(exact, packs, tags, pack, bend, line.turned, owner, t_min, best, both_sides, opaque_only)
                 if link & 1 == 0:
-                    best = _hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
+                    best = hit_of_others(instances, tags, primitives, exact, pack, o, d, t_min, best, both_sides, opaque_only)
                 if any_hit and best.instance != -1:
                     return best
             elif link == _LEAVE:
@@ -332,7 +335,7 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
                     top += 1
                     owner = np.int64(p["instance"])
                     link, bend = _bend_of(exact, nodes, instances[owner], FIRST_TREE - np.int64(p["triangle"]))
-                    line = _line_within(nodes, instances[owner], link, o, d)
+                    line = line_within(nodes, instances[owner], link, o, d)
                     break
             while True:
                 if top == 0:
@@ -347,18 +350,18 @@ def _walk(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np
 @kernel
 def nearest(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> Hit:
     """The nearest hit in (t_min, t_max); single-sided triangles are met from their front only. t is infinite for a miss."""
-    hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, False, False)
-    return hit if hit.instance >= 0 else _miss(_INFINITY)
+    hit = walk(accelerator, instances, o, d, t_min, t_max, stack, False, False, False)
+    return hit if hit.instance >= 0 else miss(_INFINITY)
 
 
 @kernel
 def first_hit(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, both_sides: bool, stack) -> Hit:
     """The nearest hit in (t_min, t_max); `both_sides`: single-sided triangles are met from behind as well. t is infinite for a miss."""
-    hit = _walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
-    return hit if hit.instance >= 0 else _miss(_INFINITY)
+    hit = walk(accelerator, instances, o, d, t_min, t_max, stack, False, both_sides, False)
+    return hit if hit.instance >= 0 else miss(_INFINITY)
 
 
 @kernel
 def occluded(accelerator, instances, o: Vec3, d: Vec3, t_min: np.float32, t_max: np.float32, stack) -> bool:
     """Whether anything opaque lies in (t_min, t_max); both sides of every triangle count."""
-    return _walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance != -1
+    return walk(accelerator, instances, o, d, t_min, t_max, stack, True, True, True).instance != -1

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from .._jit import kernel
+from .lanes import where
 from .vec import ONE, ZERO, Vec3, dot
 
 __all__ = ["Frame", "frame_from_normal", "to_local", "to_world"]
@@ -29,7 +30,7 @@ def frame_from_normal(n: Vec3) -> Frame:
 
     **Source**: T. Duff et al., "Building an orthonormal basis, revisited", JCGT 6(1), 2017, listing 3.
     """
-    sign = ONE if n.z >= ZERO else -ONE
+    sign = where(n.z >= ZERO, ONE, -ONE)
     a = -ONE / (sign + n.z)
     b = n.x * n.y * a
     tangent = Vec3(ONE + sign * n.x * n.x * a, sign * b, -sign * n.x)

@@ -15,6 +15,7 @@ import numpy as np
 
 from .._jit import kernel
 from .elementary import INV_PI, TWO_PI, atan2, cos, cos_sin_of_octant, safe_sqrt, sin, sqrt
+from .lanes import max, where
 from .vec import ONE, TWO, ZERO, Vec3
 
 __all__ = [
@@ -42,11 +43,12 @@ def warp_disk(u: np.float32, v: np.float32) -> tuple[np.float32, np.float32]:
     """
     a, b = TWO * u - ONE, TWO * v - ONE
     wide = abs(a) > abs(b)
-    r = a if wide else b
-    s = b if wide else a
-    ratio = s / r if r != ZERO else ZERO
+    r, s = where(wide, a, b), where(wide, b, a)
+    apart = r != ZERO
+    ratio = where(apart, s / where(apart, r, ONE), ZERO)
     c, s = cos_sin_of_octant(_QUARTER_PI * ratio)
-    return (r * c, r * s) if wide else (r * s, r * c)
+    along, across = r * c, r * s
+    return where(wide, along, across), where(wide, across, along)
 
 
 @kernel
@@ -158,9 +160,8 @@ def warp_triangle(u: np.float32, v: np.float32) -> tuple[np.float32, np.float32]
 
     **Source**: E. Heitz, "A low-distortion map between triangle and square", 2019.
     """
-    if v > u:
-        return u * _HALF, v - u * _HALF
-    return u - v * _HALF, v * _HALF
+    is_upper = v > u
+    return where(is_upper, u * _HALF, u - v * _HALF), where(is_upper, v - u * _HALF, v * _HALF)
 
 
 @kernel

@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._door import Array, Door, Scalar, Signature
+from .._jit import MODE
 from ..accel import bvh
 from ..accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE, Accelerator
 from ..kernel.sampler_kinds import SOBOL, columns_of
 from ..tables import layouts
 from ..tables.build import View
+from ..tables.facets import facets_of
 from ..tables.layouts import INSTANTS_ARRAYS, LIGHTING_ARRAYS, SCENE_ARRAYS, Instants, Lighting, SceneTables
 from ..tiles import PerThread, Tile, run_all, tiles_of
+from .eight import BLOCK, STATE_SIZE, WORDS_SIZE
 
 __all__ = ["Settings", "Stage", "draw_channels", "draw_features", "prepare", "prepare_paths"]
 
@@ -61,13 +64,16 @@ _TRACE = _Doors(
 
 _PATH_SIGNATURE = (*_PICTURE, Array(np.float32, 1), Array(np.int64, 1), *_TILE)
 _TRACE_PATH = _Doors("limner.raytrace.path_tile", "trace_path_tile", _PATH_SIGNATURE, "the path renderer")
-_MATTE = {_ENDS: _NO_ENDS, Array(layouts.MATERIAL, 1): Array(layouts.MATTE_MATERIAL, 1)}
-_TRACE_MATTE_PATH = Door(
-    "limner.raytrace.path_tile",
-    "trace_path_tile_matte",
-    tuple(_MATTE.get(kind, kind) if isinstance(kind, Array) else kind for kind in _PATH_SIGNATURE),
+_TRACE_MATTE = Door(
+    "limner.raytrace.matte_tile",
+    "trace_matte_tile",
+    (
+        *(Array(layouts.MATTE_MATERIAL, 1) if kind == Array(layouts.MATERIAL, 1) else kind for kind in _PICTURE),
+        Array(np.float32, 1), Array(np.int64, 1), Array(np.int32, 1), _NO_ENDS, Array(np.float32, 2), Array(np.int32, 2),
+        Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 1), Array(np.float32, 2), Array(np.float32, 3), *_TILE[3:],
+    ),
     "the path renderer of matte scenes",
-)
+)  # fmt: skip
 
 _TRACE_AOV = _Doors(
     "limner.raytrace.aov_tile",
@@ -213,10 +219,13 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
     rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
-        if stage.is_matte():
-            return _TRACE_MATTE_PATH.bind(
-                *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk, film
-            )
+        if stage.is_matte() and MODE == "compiled":
+            # Uncompiled, eight at once are no faster, and a story of a path is one of one path.
+            return _TRACE_MATTE.bind(
+                *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk,
+                *facets_of(stage.tables), stage.lighting.emitters.view(np.float32), np.full(WORDS_SIZE, -1, dtype=np.int32),
+                np.zeros(STATE_SIZE, dtype=np.float32), np.empty((BLOCK, 4), dtype=np.float32), film,
+            )  # fmt: skip
         return _TRACE_PATH.serving(stage.needs_exact(), stage.needs_layers()).bind(
             *stage.arguments(), stage.background, rules, *_Scratch(stage.needs_exact()).walk, film
         )

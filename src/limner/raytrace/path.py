@@ -21,6 +21,7 @@ import numpy as np
 
 from .._jit import kernel, outlined
 from ..accel.walk import first_hit
+from ..kernel.lanes import where
 from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
@@ -46,27 +47,29 @@ from .lens import lens_ray
 from .rules import Rules
 from .start import LENS
 
-__all__ = ["path_radiance"]
+__all__ = ["LEAST_SHARE", "MAX_SURFACES", "balance", "chance_weight", "from_lights", "is_asked", "path_radiance", "sky_asked"]
 
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
 _HALF = f32(0.5)
-_LEAST_SHARE = f32(0.35)
-_MAX_SURFACES = 256
+LEAST_SHARE = f32(0.35)
+MAX_SURFACES = 256
 # Dimensions of the sampler: two for the pixel, then so many for every surface of a path. Lights count downwards, after lens and time.
-_PER_SURFACE = 7
-_EMITTER, _SKY, _DIRECTION, _LOBE, _COVERAGE, _KIND, _ROULETTE = 0, 1, 2, 3, 4, 5, 6
-_FIRST_LIGHT = -3
+PER_SURFACE = 7
+EMITTER_PLACE, SKY_PLACE, DIRECTION_PLACE, _LOBE, _COVERAGE, _KIND, ROULETTE_PLACE = 0, 1, 2, 3, 4, 5, 6
+FIRST_LIGHT = -3
 
 
 @kernel
-def _balance(a: np.float32, b: np.float32) -> np.float32:
+def balance(a: np.float32, b: np.float32) -> np.float32:
     """a / (a + b)"""
-    return a / (a + b) if a + b > ZERO else ZERO
+    both = a + b
+    has_any = both > ZERO
+    return where(has_any, a / where(has_any, both, ONE), ZERO)
 
 
 @kernel
-def _from_lights(
+def from_lights(
     scene, accelerator, media, inside: int, rules: Rules, sampler: Sampler, first: int, point: SurfacePoint, bsdf, points_only: bool,
     wo: Vec3, stack,
 ) -> Color:  # fmt: skip
@@ -87,16 +90,34 @@ def _from_lights(
             distance = _INFINITY if lights[k]["kind"] == DIRECTIONAL_LIGHT else light.distance
             seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, light.wi, distance, stack)
             if is_area and lights[k]["visible"] != 0 and not seen.through_glass:
-                value = value * _balance(light.pdf, pdf_bsdf(bsdf, wo, light.wi))
+                value = value * balance(light.pdf, pdf_bsdf(bsdf, wo, light.wi))
             total = total + value * seen.share
     return total
 
 
 @kernel
-def _is_asked(lighting, rules: Rules) -> bool:
+def is_asked(lighting, rules: Rules) -> bool:
     """Whether the sky is asked for light: no path that scatters as its surface does can find an even one better by asking."""
     header = lighting[0][0]
     return header["sky_present"] != 0 and (header["sky_even"] == 0 or rules.tinted != 0)
+
+
+@kernel
+def sky_asked(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, dimension: int, point: SurfacePoint, bsdf, wo: Vec3,
+    stack,
+) -> Color:  # fmt: skip
+    """Light that comes straight from the sky, one sample of it."""
+    u, v = draw_2d(sampler, dimension + SKY_PLACE)
+    sky = sample_sky(lighting, u, v)
+    if sky.pdf > ZERO and dot(point.n, sky.wi) > ZERO:
+        value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
+        if max_component(value) > ZERO:
+            has_alpha = 0 if only_matte(scene[6]) else rules.has_alpha
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, sky.wi, _INFINITY, stack)
+            weight = ONE if seen.through_glass else balance(sky.pdf, pdf_bsdf(bsdf, wo, sky.wi))
+            return value * (weight / sky.pdf) * seen.share
+    return Color(ZERO, ZERO, ZERO)
 
 
 @kernel
@@ -106,25 +127,17 @@ def _direct(
 ) -> Color:  # fmt: skip
     """Light that comes straight from lights, shining surfaces and the sky, one sample of each."""
     p, n, has_alpha = point.position, point.n, 0 if only_matte(scene[6]) else rules.has_alpha
-    total = _from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
-    u, v = draw_2d(sampler, dimension + _EMITTER) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
+    total = from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
+    u, v = draw_2d(sampler, dimension + EMITTER_PLACE) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
     shine = sample_emitter(scene, lighting, p, u, v)
     if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
         if max_component(value) > ZERO:
             seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, shine.wi, shine.distance, stack)
-            weight = ONE if seen.through_glass else _balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
+            weight = ONE if seen.through_glass else balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
             total = total + value * (weight / shine.pdf) * seen.share
-    if not _is_asked(lighting, rules):
-        return total
-    u, v = draw_2d(sampler, dimension + _SKY)
-    sky = sample_sky(lighting, u, v)
-    if sky.pdf > ZERO and dot(n, sky.wi) > ZERO:
-        value = eval_bsdf(bsdf, wo, sky.wi) * sky.radiance
-        if max_component(value) > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, sky.wi, _INFINITY, stack)
-            weight = ONE if seen.through_glass else _balance(sky.pdf, pdf_bsdf(bsdf, wo, sky.wi))
-            total = total + value * (weight / sky.pdf) * seen.share
+    if is_asked(lighting, rules):
+        total = total + sky_asked(scene, accelerator, lighting, media, inside, rules, sampler, dimension, point, bsdf, wo, stack)
     return total
 
 
@@ -170,17 +183,17 @@ def _lit_share(
 
 
 @kernel
-def _chance_weight(scene, lighting, hit, material, point: SurfacePoint, wo: Vec3, last: Vec3, pdf: np.float32) -> np.float32:
+def chance_weight(scene, lighting, hit, material, point: SurfacePoint, wo: Vec3, last: Vec3, pdf: np.float32) -> np.float32:
     """The weight of a shining surface that a path met by chance, which might have been asked from `last`, too."""
     instances, lights = scene[0], scene[7]
     cos_theta = dot(point.n, wo)
     lamp = i64(instances[hit.instance]["lamp"])
     if lamp > 0:
-        return _balance(pdf, pdf_light(lights[lamp - 1], last, point.position, cos_theta))
+        return balance(pdf, pdf_light(lights[lamp - 1], last, point.position, cos_theta))
     if hit.triangle < 0:
         return ONE
     to_point = point.position - last
-    return _balance(pdf, pdf_emitter(lighting, material, cos_theta, dot(to_point, to_point)))
+    return balance(pdf, pdf_emitter(lighting, material, cos_theta, dot(to_point, to_point)))
 
 
 @kernel
@@ -207,13 +220,13 @@ def path_radiance(
     o, d, t_min, t_max = ray.o, ray.d, camera["near"], camera["far"]
     total, throughput = Color(ZERO, ZERO, ZERO), Color(ONE, ONE, ONE)
     alpha, from_camera, untouched = ONE, True, True
-    pdf, by_chance_only, last, scatterings, dimension, light_dimension = ZERO, True, o, 0, 1, _FIRST_LIGHT
+    pdf, by_chance_only, last, scatterings, dimension, light_dimension = ZERO, True, o, 0, 1, FIRST_LIGHT
     # Whether only mirrors and glass lie between the path and the eye; whether the light it looks for now was asked for straight on; whether
     # it has only been refracted.
     as_seen, was_asked, looks_through, inside = True, False, True, i64(outside)
     # What a path carries after the first surface that scatters: what the pixel's light is in proportion to.
     carried = ONE
-    for _ in range(_MAX_SURFACES):
+    for _ in range(MAX_SURFACES):
         is_first = as_seen
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
         within = 0 if is_matte_scene else filling(inside, media)
@@ -232,8 +245,8 @@ def path_radiance(
             else:
                 wi = normalize(d)
                 weight = ONE
-                if _is_asked(lighting, rules):
-                    weight = ONE if by_chance_only else _balance(pdf, pdf_sky(lighting, wi))
+                if is_asked(lighting, rules):
+                    weight = ONE if by_chance_only else balance(pdf, pdf_sky(lighting, wi))
                     if was_asked:
                         weight = ZERO
                 total = total + throughput * (sky_radiance(lighting, wi) * weight + ambient_level(lights))
@@ -257,14 +270,14 @@ def path_radiance(
             untouched, from_camera, t_min, t_max = False, False, ZERO, _INFINITY
             if crossing.before == crossing.after:
                 o, inside = off_surface(point, -point.n), crossing.inside
-                dimension += _PER_SURFACE
+                dimension += PER_SURFACE
                 continue
             if scatterings >= rules.max_depth:
                 break
             roughness2 = interface_alpha(material, point, textures, texels)
             if roughness2 > ZERO:
                 bsdf = facets_alone(resolve(material, owner, point, textures, texels))
-                total = total + throughput * _from_lights(
+                total = total + throughput * from_lights(
                     scene, accelerator, media, inside, rules, sampler, light_dimension, point, bsdf, True, wo, stack
                 )
             light_dimension -= lights.shape[0]
@@ -299,8 +312,8 @@ def path_radiance(
                 # Only the camera's own view has use for it; other light goes through.
                 coverage = ZERO
                 if untouched:
-                    u1, v1 = draw_2d(sampler, dimension + _EMITTER)
-                    u2, v2 = draw_2d(sampler, dimension + _SKY)
+                    u1, v1 = draw_2d(sampler, dimension + EMITTER_PLACE)
+                    u2, v2 = draw_2d(sampler, dimension + SKY_PLACE)
                     coverage = ONE - _lit_share(
                         scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, point, bsdf, wo, u1, v1, u2, v2, stack
                     )
@@ -311,7 +324,7 @@ def path_radiance(
             if coverage < ONE and lot >= coverage:
                 # Straight on: neither the direction's density nor what is owed to the lights changes.
                 o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
-                dimension += _PER_SURFACE
+                dimension += PER_SURFACE
                 continue
             if far > ZERO:
                 if lot >= far * coverage:
@@ -320,14 +333,14 @@ def path_radiance(
                     # As above, but for what the sheet keeps.
                     throughput = throughput * veil(bsdf, wo) * (ONE / far)
                     o, t_min, t_max, from_camera = off_surface(point, -point.n), ZERO, _INFINITY, False
-                    dimension += _PER_SURFACE
+                    dimension += PER_SURFACE
                     continue
             if glass > ZERO:
                 bsdf = without_glass(bsdf, glass)
             if max_component(bsdf.emission) > ZERO and (is_front or material["double_sided"] != 0) and not was_asked:
                 weight = ONE
                 if not by_chance_only:
-                    weight = _chance_weight(scene, lighting, hit, material, point, wo, last, pdf)
+                    weight = chance_weight(scene, lighting, hit, material, point, wo, last, pdf)
                 total = total + throughput * bsdf.emission * weight
             if scatterings >= rules.max_depth or (not is_matte_scene and material["kind"] == SHADOW_CATCHER):
                 break
@@ -339,7 +352,7 @@ def path_radiance(
                 scene, accelerator, lighting, media, inside, rules, sampler, light_dimension, dimension, point, bsdf, wo, stack
             )
             light_dimension -= lights.shape[0]
-            u, v = draw_2d(sampler, dimension + _DIRECTION)
+            u, v = draw_2d(sampler, dimension + DIRECTION_PLACE)
             scattered = sample_bsdf(bsdf, wo, ZERO if is_matte(bsdf) else draw_1d(sampler, dimension + _LOBE), u, v)
             if scattered.pdf <= ZERO or dot(scattered.wi, point.n) <= ZERO:
                 break
@@ -358,9 +371,9 @@ def path_radiance(
             break
         if is_first:
             carried = weight
-        elif weight < _LEAST_SHARE * carried:
-            if draw_1d(sampler, dimension + _ROULETTE) * (_LEAST_SHARE * carried) >= weight:
+        elif weight < LEAST_SHARE * carried:
+            if draw_1d(sampler, dimension + ROULETTE_PLACE) * (LEAST_SHARE * carried) >= weight:
                 break
-            throughput = throughput * (_LEAST_SHARE * carried / weight)
-        dimension += _PER_SURFACE
+            throughput = throughput * (LEAST_SHARE * carried / weight)
+        dimension += PER_SURFACE
     return total, alpha

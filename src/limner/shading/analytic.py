@@ -20,7 +20,7 @@ from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, spread3
 from ..tables.layouts import PERSPECTIVE, SPHERE
 from .surface import Detail, Footprint, SurfacePoint, no_detail, transform_normal, transformed_reach
 
-__all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "moved", "ray_without_view", "view_ray"]
+__all__ = ["ViewRay", "analytic_at", "hit_analytic", "meets_outside", "moved", "ray_without_view", "through_pinhole", "view_ray"]
 
 f32 = np.float32
 _HALF = f32(0.5)
@@ -39,14 +39,22 @@ class ViewRay(NamedTuple):
 
 
 @kernel
-def view_ray(camera, x: np.float32, y: np.float32) -> ViewRay:
-    """The camera's ray through raster point (x, y); one unit of depth per unit of t (FoCG 4.3)."""
-    zero = Vec3(ZERO, ZERO, ZERO)
+def through_pinhole(camera, x: np.float32, y: np.float32) -> tuple[Vec3, Vec3]:
+    """(origin, direction) of the ray through a raster point, or of the rays through eight, of a camera without a lens in perspective."""
     e = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])
     corner = Vec3(camera["corner"][0], camera["corner"][1], camera["corner"][2])
     dx = Vec3(camera["dx"][0], camera["dx"][1], camera["dx"][2])
     dy = Vec3(camera["dy"][0], camera["dy"][1], camera["dy"][2])
-    across = corner + dx * x + dy * y
+    return e, corner + dx * x + dy * y
+
+
+@kernel
+def view_ray(camera, x: np.float32, y: np.float32) -> ViewRay:
+    """The camera's ray through raster point (x, y); one unit of depth per unit of t (FoCG 4.3)."""
+    zero = Vec3(ZERO, ZERO, ZERO)
+    e, across = through_pinhole(camera, x, y)
+    dx = Vec3(camera["dx"][0], camera["dx"][1], camera["dx"][2])
+    dy = Vec3(camera["dy"][0], camera["dy"][1], camera["dy"][2])
     o, d, dodx, dody, dddx, dddy = e, across, zero, zero, dx, dy
     if camera["kind"] != PERSPECTIVE:
         gaze = Vec3(camera["gaze"][0], camera["gaze"][1], camera["gaze"][2])

@@ -22,7 +22,7 @@ from ..shading.surface import SurfacePoint
 from .hit import hit_point
 from .spawn import off_surface
 
-__all__ = ["Seen", "transmittance"]
+__all__ = ["Seen", "aimed", "transmittance"]
 
 f32 = np.float32
 _INFINITY = f32(np.inf)
@@ -54,6 +54,13 @@ def _through_medium(media, inside: int, distance: np.float32) -> Color:
 
 
 @kernel
+def aimed(o: Vec3, position: Vec3, wi: Vec3, distance: np.float32):
+    """(direction, length) of a shadow ray from o, beside `position`, that stops short of a light, which may be a surface."""
+    to_light = position + wi * distance - o
+    return normalize(to_light), length(to_light) * _BEFORE_LIGHT
+
+
+@kernel
 def transmittance(
     scene, accelerator, media, inside: int, tinted: int, has_alpha: int, point: SurfacePoint, wi: Vec3, distance: np.float32, stack
 ) -> Seen:
@@ -62,10 +69,8 @@ def transmittance(
     o = off_surface(point, point.n) + point.bulge if dot(point.n, wi) >= ZERO else off_surface(point, -point.n)
     t_max = _INFINITY
     if distance < _INFINITY:
-        # The origin has moved: aim anew, and stop short of the light, which may be a surface.
-        to_light = point.position + wi * distance - o
-        distance = length(to_light)
-        wi, t_max = normalize(to_light), distance * _BEFORE_LIGHT
+        # The origin has moved: aim anew.
+        wi, t_max = aimed(o, point.position, wi, distance)
     if occluded(accelerator, instances, o, wi, ZERO, t_max, stack):
         return Seen(Color(ZERO, ZERO, ZERO), False)
     left, through_glass = Color(ONE, ONE, ONE), False

@@ -15,12 +15,18 @@ from .._jit import kernel
 from ..kernel.vec import Vec3
 from ..shading.surface import SurfacePoint
 
-__all__ = ["off_surface"]
+__all__ = ["off_surface", "pushed"]
 
 _PUSH = np.float32(2.0**-18)
 
 
 @kernel
+def pushed(position: Vec3, n: Vec3, reach: np.float32) -> Vec3:
+    """`off_surface` of a point, or of eight, that was computed from numbers up to `reach`."""
+    return position + n * (_PUSH * reach)
+
+
+@kernel
 def off_surface(point: SurfacePoint, n: Vec3) -> Vec3:
     """A place just off the surface, on the side to which n points."""
-    return point.position + n * (_PUSH * point.reach)
+    return pushed(point.position, n, point.reach)

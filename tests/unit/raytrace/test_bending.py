@@ -11,7 +11,7 @@ from staging import SLOW_AS_PYTHON, lit_from
 
 from limner.accel import bvh
 from limner.linear import quaternion, transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.mesh.mesh import Mesh
 from limner.render import render
 from limner.scene.animation import Animation, NodeChannel, WeightsChannel

@@ -29,6 +29,7 @@ from limner.linear.transform import transform_points
 from limner.mesh.mesh import Mesh
 from limner.scene.framing import with_defaults
 from limner.scene.pose import animation_of, at
+from limner.scene.camera import Camera
 from limner.scene.scene import Scene
 from limner.tables.build import Built, flatten
 from limner.tables.camera import camera_record
@@ -99,7 +100,7 @@ def _soup(scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
-def _pixel_rays(camera: limner.Camera, width: int, height: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _pixel_rays(camera: Camera, width: int, height: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Where the eye is, and (n, 3) the directions through the pixels' centres."""
     row = camera_record(camera, width, height, 1e-3, np.inf)[0]
     i, j = np.meshgrid(np.arange(width), np.arange(height))

@@ -130,7 +130,7 @@ class Kept:
         if self._stopped is None or self._stopped[0] is not scene:
             moment = choices.moment
             if moment is not None and moment[0] is not None:
-                self._stopped = scene, posed(at(scene, *moment), choices.shutter[0]), {}
+                self._stopped = scene, posed(at(scene, moment[0], moment[1]), choices.shutter[0]), {}
             else:
 
                 def pose_at(time: float) -> Scene:

@@ -27,9 +27,9 @@ import limner
 from limner.accel import bvh
 from limner.linear.transform import transform_points
 from limner.mesh.mesh import Mesh
+from limner.scene.camera import Camera
 from limner.scene.framing import with_defaults
 from limner.scene.pose import animation_of, at
-from limner.scene.camera import Camera
 from limner.scene.scene import Scene
 from limner.tables.build import Built, flatten
 from limner.tables.camera import camera_record

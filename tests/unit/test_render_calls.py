@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import threading
 import warnings
@@ -18,7 +19,7 @@ from limner.image.image import Image
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
 from limner.mesh.shapes import primitives
-from limner.render import render
+from limner.render import Renderer, render
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import AmbientLight, DirectionalLight, PointLight, SpotLight
 from limner.scene.material import BlinnPhong, Lambert, MetallicRoughness
@@ -329,3 +330,12 @@ def test_load_wants_a_path():
     """And says what takes arrays."""
     with pytest.raises(LimnerError, match="needs the path of a file, got int"):
         load(3)
+
+
+def test_render_and_renderer_are_told_the_same() -> None:
+    """What `render` may be told of a picture `Renderer` may be told of many, by the same names, with the same defaults."""
+    of_render, of_many = (inspect.signature(door).parameters for door in (render, Renderer))
+    once = {"camera", "on_progress", "cancel"}  # of one picture: `Renderer.render` takes these
+    told, kept = ({name: one.default for name, one in of.items() if name not in once} for of in (of_render, of_many))
+    assert told == kept
+    assert once <= set(inspect.signature(Renderer.render).parameters)

@@ -26,7 +26,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "People's work": (
         "product_shot", "material_chart", "materials_layers", "shadow_catcher", "turntable", "animation_clip", "contact_sheet",
         "drawing_sheet", "exploded", "point_cloud", "training_data", "thumbnail_folder", "trimesh_interop", "layers", "denoising",
-        "scene_file", "renderers", "wires",
+        "scene_file", "usd_scene", "renderers", "wires",
     ),
     "Why does it look like that?": ("explain_pixel", "explain_doctor", "pipeline_stages"),
     "Pictures, samples and colour": (

@@ -28,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES, DOCS = ROOT / "examples", ROOT / "docs"
 KEPT = Path(__file__).with_name("examples.json")
 FIELDS = (8, 6)
+NEEDED = {"trimesh_interop": ("trimesh",), "usd_scene": ("pxr",)}  # by extras
 CLIPS = {"turntable", "animation_clip"}
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py") if "__main__" in path.read_text(encoding="utf-8"))
 
@@ -65,8 +66,8 @@ def kept() -> dict[str, list[int]]:
 @pytest.mark.filterwarnings("default")
 def test_example(name: str, tmp_path: Path) -> None:
     """It runs without an error, there is a picture with something in it, and it is the one that was looked at."""
-    if name == "trimesh_interop":
-        pytest.importorskip("trimesh")
+    for library in NEEDED.get(name, ()):
+        pytest.importorskip(library)
     path = made(name, tmp_path)
     with Image.open(path) as picture:
         assert np.ptp(np.asarray(picture.convert("L")).astype(int)) > 40

@@ -29,7 +29,7 @@ def test_a_technical_sheet(limner_process: Run, tmp_path: Path, box: str) -> Non
     done = limner_process(*words, "-o", "sheet.svg", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     told = json.loads(done.stdout)
-    assert (told["views"], told["scale"], told["size"]) == (["front", "top", "right", "iso"], "1:1", [20.0, 20.0, 20.0])
+    assert (told["views"], told["scale"], told["size"]) == (["front", "top", "right", "iso"], "2:1", [20.0, 20.0, 20.0])
     assert limner_process(*words, "-o", "again.svg").returncode == 0
     assert (tmp_path / "sheet.svg").read_bytes() == (tmp_path / "again.svg").read_bytes()
     root = ET.parse(tmp_path / "sheet.svg").getroot()

@@ -84,7 +84,7 @@ def strokes_of(
     if faint is not None and faint.any():
         path = _without_faint(path, faint[path.line])
     shown = _without_short(path)
-    path = _merged(path._replace(hidden_by=shown, bridged=(shown > 0) != (path.hidden_by > 0)))
+    path = _merged(path._replace(hidden_by=shown, bridged=((shown > 0) != (path.hidden_by > 0)) & (path.length > _SAME)))
     path = _without_specks(found, path)
     path = _without_crowded(path, _crowded(found, path))
     return _simplified(_strokes(found, path, chains, sight))
@@ -341,7 +341,11 @@ def _simplified(strokes: list[Stroke]) -> list[Stroke]:
     if not strokes:
         return strokes
     count = np.array([len(stroke.depth) for stroke in strokes])
-    kept = np.split(points_that_show(np.concatenate([stroke.picture for stroke in strokes]), count, _SAME), np.cumsum(count)[:-1])
+    shown = points_that_show(np.concatenate([stroke.picture for stroke in strokes]), count, _SAME)
+    # Where parts begin and end that only go with their neighbours, so that no more is said of them than is true.
+    bridged = np.concatenate([np.append(stroke.bridged, stroke.bridged[-1:]) for stroke in strokes])
+    shown[1:] |= bridged[1:] != bridged[:-1]
+    kept = np.split(shown, np.cumsum(count)[:-1])
     return [
         stroke._replace(
             picture=stroke.picture[rows], depth=stroke.depth[rows], world=stroke.world[rows],

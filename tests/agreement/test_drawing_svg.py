@@ -1,4 +1,4 @@
-"""The picture that another program makes of a drawing's SVG, and the edges in the channels that the rasteriser gives: ids, places, normals."""
+"""What another program makes of a drawing's SVG, and the edges in the channels of the rasteriser: ids, places, normals."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from staging import SLOW_AS_PYTHON, place, scene_of
 
 from limner.files.load import load
 from limner.linear import transform
-from limner.mesh import primitives
+from limner.mesh.shapes import primitives
 from limner.produce.drawing import drawing
 from limner.render import render
 from limner.scene.camera import Camera, OrthographicCamera, PerspectiveCamera

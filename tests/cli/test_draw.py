@@ -67,6 +67,8 @@ def test_a_style_of_a_picture(limner_process: Run, tmp_path: Path, box: str) -> 
     ("words", "message"),
     [
         (("draw", "cornell", "-o", "a.xyz"), ".svg, .pdf, .dxf"),
+        (("draw", "cornell", "-o", "nowhere/a.svg"), "cannot write nowhere/a.svg: there is no folder"),
+        (("draw", "cornell", "-o", "a.svg", "--variant", "winter"), "variant"),
         (("draw", "cornell", "-o", "a.svg", "--views", "side"), "a view must be one of front"),
         (("draw", "cornell", "-o", "a.svg", "--views", "front", "--fill"), "--views excludes"),
         (("draw", "cornell", "-o", "a.svg", "--scale", "1:2"), "perspective has no scale"),

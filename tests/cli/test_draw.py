@@ -29,7 +29,7 @@ def test_a_technical_sheet(limner_process: Run, tmp_path: Path, box: str) -> Non
     done = limner_process(*words, "-o", "sheet.svg", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     told = json.loads(done.stdout)
-    assert (told["views"], told["scale"], told["size"]) == (["front", "top", "right", "iso"], "1:1", [20.0, 20.0, 20.0])
+    assert (told["views"], told["scale"], told["size"]) == (["front", "top", "right", "iso"], "2:1", [20.0, 20.0, 20.0])
     assert limner_process(*words, "-o", "again.svg").returncode == 0
     assert (tmp_path / "sheet.svg").read_bytes() == (tmp_path / "again.svg").read_bytes()
     root = ET.parse(tmp_path / "sheet.svg").getroot()
@@ -67,6 +67,8 @@ def test_a_style_of_a_picture(limner_process: Run, tmp_path: Path, box: str) -> 
     ("words", "message"),
     [
         (("draw", "cornell", "-o", "a.xyz"), ".svg, .pdf, .dxf"),
+        (("draw", "cornell", "-o", "nowhere/a.svg"), "cannot write nowhere/a.svg: there is no folder"),
+        (("draw", "cornell", "-o", "a.svg", "--variant", "winter"), "variant"),
         (("draw", "cornell", "-o", "a.svg", "--views", "side"), "a view must be one of front"),
         (("draw", "cornell", "-o", "a.svg", "--views", "front", "--fill"), "--views excludes"),
         (("draw", "cornell", "-o", "a.svg", "--scale", "1:2"), "perspective has no scale"),

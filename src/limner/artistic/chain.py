@@ -35,7 +35,8 @@ _PASSES = 4  # in which short parts give way to those beside them
 
 
 class Stroke(NamedTuple):
-    """Points on the picture (n, 2), their depths and places in the world, and what holds of all of them."""
+    """Points on the picture (n, 2), their depths and places in the world, what holds of all of them, and which of the pieces between them,
+    (n - 1,), only go with those beside them."""
 
     picture: Floats
     depth: Floats
@@ -44,6 +45,7 @@ class Stroke(NamedTuple):
     hidden_by: int
     instance: int
     closed: bool
+    bridged: NDArray[np.bool_]
 
 
 class _Chains(NamedTuple):
@@ -57,7 +59,8 @@ class _Chains(NamedTuple):
 
 class _Path(NamedTuple):
     """Parts of pieces in the order of chains: of which line, from where to where, hidden by how many, of which chain; whether each goes on
-    from the one before; how long it is, and how long it must be to be seen, pixels."""
+    from the one before; how long it is, and how long it must be to be seen, pixels; whether it is drawn as
+    seen though it is hidden, or the other way round, being too short to be seen as a part of its own."""
 
     line: Indices
     span: Floats
@@ -66,6 +69,7 @@ class _Path(NamedTuple):
     joined: NDArray[np.bool_]
     length: Floats
     least: Floats
+    bridged: NDArray[np.bool_]
 
 
 def strokes_of(
@@ -79,7 +83,8 @@ def strokes_of(
     path = _path_of(found, parts, chains, smooth)
     if faint is not None and faint.any():
         path = _without_faint(path, faint[path.line])
-    path = _merged(path._replace(hidden_by=_without_short(path)))
+    shown = _without_short(path)
+    path = _merged(path._replace(hidden_by=shown, bridged=((shown > 0) != (path.hidden_by > 0)) & (path.length > _SAME)))
     path = _without_specks(found, path)
     path = _without_crowded(path, _crowded(found, path))
     return _simplified(_strokes(found, path, chains, sight))
@@ -185,7 +190,7 @@ def _path_of(found: Thrown, parts: Parts, chains: _Chains, smooth: NDArray[np.bo
     way = found.lines[line, 1, :2] - found.lines[line, 0, :2]
     length = np.hypot(way[:, 0], way[:, 1]) * np.abs(span[:, 1] - span[:, 0])
     least = np.where(smooth[line], _LEAST_SMOOTH, _LEAST)
-    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, least)
+    return _Path(line, span, parts.hidden_by[part], chain, goes_on, length, least, np.zeros(len(of), dtype=bool))
 
 
 def _without_short(path: _Path) -> Indices:
@@ -264,12 +269,13 @@ def _merged(path: _Path) -> _Path:
     """Make one of parts of a line that one number of surfaces hides."""
     goes_on = path.joined.copy()
     goes_on[1:] &= (path.line[1:] == path.line[:-1]) & (path.hidden_by[1:] == path.hidden_by[:-1])
+    goes_on[1:] &= path.bridged[1:] == path.bridged[:-1]
     first = np.flatnonzero(~goes_on)
     last = np.append(first[1:], len(goes_on)) - 1
     span = np.stack([path.span[first, 0], path.span[last, 1]], axis=1)
     return _Path(
         path.line[first], span, path.hidden_by[first], path.chain[first], path.joined[first], np.add.reduceat(path.length, first),
-        path.least[first],
+        path.least[first], path.bridged[first],
     )  # fmt: skip
 
 
@@ -323,7 +329,8 @@ def _strokes(found: Thrown, path: _Path, chains: _Chains, sight: SightLines) -> 
         line = int(path.line[i])
         made.append(
             Stroke(
-                parts[0], parts[1], parts[2], int(found.segments.kind[line]), int(hidden_by[i]), int(found.segments.instance[line]), closed
+                parts[0], parts[1], parts[2], int(found.segments.kind[line]), int(hidden_by[i]), int(found.segments.instance[line]), closed,
+                np.concatenate([path.bridged[a : b + 1] for a, b in rows]),
             )
         )
     return made
@@ -334,9 +341,16 @@ def _simplified(strokes: list[Stroke]) -> list[Stroke]:
     if not strokes:
         return strokes
     count = np.array([len(stroke.depth) for stroke in strokes])
-    kept = np.split(points_that_show(np.concatenate([stroke.picture for stroke in strokes]), count, _SAME), np.cumsum(count)[:-1])
+    shown = points_that_show(np.concatenate([stroke.picture for stroke in strokes]), count, _SAME)
+    # Where parts begin and end that only go with their neighbours, so that no more is said of them than is true.
+    bridged = np.concatenate([np.append(stroke.bridged, stroke.bridged[-1:]) for stroke in strokes])
+    shown[1:] |= bridged[1:] != bridged[:-1]
+    kept = np.split(shown, np.cumsum(count)[:-1])
     return [
-        stroke._replace(picture=stroke.picture[rows], depth=stroke.depth[rows], world=stroke.world[rows])
+        stroke._replace(
+            picture=stroke.picture[rows], depth=stroke.depth[rows], world=stroke.world[rows],
+            bridged=np.logical_or.reduceat(stroke.bridged, np.flatnonzero(rows)[:-1]),
+        )
         for stroke, rows in zip(strokes, kept, strict=True)
     ]
 

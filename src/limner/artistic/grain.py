@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 _ROUNDS = 2
+_FLAT = 1e-6  # that normals differ on the mean, where a shape is not flat
 _EVEN, _MIXED = 0.91, 0.03  # of how much averages of normals differ from one place to the next, to how much normals do
 _RIM = 0.2  # between unit normals: what changes by more is no grain, but the rim of something thin
 _SPLIT = 1e-3  # between unit normals that are not one
@@ -71,7 +72,8 @@ def without_grain(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.bo
         groups, instance, area, normals, _ROUNDS, _SPLIT, _RIM, own, mean, total, weight, change, kept, before, after
     )  # fmt: skip
     left = after / np.where(before > 0.0, before, 1.0)
-    share = np.where(before > 0.0, np.clip((_EVEN - left) / _MIXED, 0.0, 1.0), 0.0)
+    curved = before > _FLAT * np.bincount(instance, area, n)
+    share = np.where(curved, np.clip((_EVEN - left) / _MIXED, 0.0, 1.0), 0.0)
     if share.any():
         _take_averages(groups, instance, share, mean, change, kept, normals, noise)
     return normals, noise

@@ -71,6 +71,9 @@ class FeatureLine:
     instance : int
         Which shape it is on, a row of `Drawing.instance_names`.
     closed : bool
+    bridged : (n - 1,) bool, optional
+        Which of the pieces between points are drawn as seen though a part is hidden, or the other way round: a part that is too short to be
+        told from what is beside it. None: none of them.
     """
 
     kind: LineKind
@@ -80,6 +83,7 @@ class FeatureLine:
     hidden_by: int
     instance: int
     closed: bool
+    bridged: NDArray[np.bool_] | None = None
 
     @property
     def length(self) -> float:
@@ -241,6 +245,7 @@ def _is_hair(line: FeatureLine) -> bool:
 
 
 def _line_of(stroke: Stroke) -> FeatureLine:
-    for array in (stroke.picture, stroke.depth, stroke.world):
+    kind, bridged = KINDS[stroke.kind], stroke.bridged if stroke.bridged.any() else None
+    for array in (stroke.picture, stroke.depth, stroke.world, stroke.bridged):
         array.flags.writeable = False
-    return FeatureLine(KINDS[stroke.kind], stroke.picture, stroke.depth, stroke.world, stroke.hidden_by, stroke.instance, stroke.closed)
+    return FeatureLine(kind, stroke.picture, stroke.depth, stroke.world, stroke.hidden_by, stroke.instance, stroke.closed, bridged)

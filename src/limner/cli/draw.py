@@ -19,6 +19,7 @@ from .voice import voice
 
 if TYPE_CHECKING:
     from ..produce.drawing import Plate
+    from ..scene.scene import Scene
 
 __all__ = ["KINDS", "PictureOrder", "draw", "draw_picture"]
 
@@ -54,6 +55,10 @@ class Order:
     background: Background
     dpi: float | None
     threads: int | None
+    scene: str | None
+    variant: str | None
+    time: float | None
+    animation: str | None
     as_json: bool
 
 
@@ -98,6 +103,10 @@ class PictureOrder(Sight, Protocol):
 @sight
 @paper
 @click.option("--dpi", type=click.FloatRange(1.0, 4800.0), help="Of a picture.  [default: 150 of a sheet, else 96]")
+@click.option("--scene", metavar="NAME|INDEX", help="Which of several scenes of the file.  [default: the file's own choice]")
+@click.option("--variant", metavar="NAME", help="Which of the model's variants.  [default: none]")
+@click.option("--time", type=float, metavar="S", help="The moment of the animation, seconds.  [default: what no animation has moved]")
+@click.option("--animation", metavar="NAME|INDEX|all", help="Which animation; all: all at once.  [default: the first]")
 @model_up
 @threads("Of --tone and --fill.  [default: all cores]")
 @as_json("Tell about the drawing as JSON on standard output.")
@@ -124,8 +133,7 @@ def draw(talk: Talk, /, **options: Any) -> None:
 def _make_drawing(order: Order, talk: Talk) -> None:
     """Fulfil `order`."""
     check_output(order.output)
-    scene = open_model(order.model)
-    talk.note(scene.notes)
+    scene = _opened(order, talk)
     wanted: dict[str, Any] = {"crease_degrees": order.crease}
     if order.kinds is not None:
         wanted["kinds"] = order.kinds
@@ -155,6 +163,19 @@ def _make_drawing(order: Order, talk: Talk) -> None:
 def draw_picture(order: PictureOrder, talk: Talk) -> None:
     """Fulfil what `limner render --renderer lines` asks for."""
     check_output(order.output)
+    scene = _opened(order, talk)
+    from ..produce.drawing import drawing
+
+    with Bar(enabled=not talk.quiet) as bar:
+        plate = drawing(
+            scene, width=order.width, height=order.height, camera=chosen_camera(order, scene), style=order.style or "plain",
+            background=_paper("white" if order.background is None else order.background), on_progress=bar,
+        )  # fmt: skip
+    _finish(order.model, order.output, plate, order.as_json, talk)
+
+
+def _opened(order: Order | PictureOrder, talk: Talk) -> Scene:
+    """The model at the moment that is asked for."""
     scene = open_model(order.model, scene=order.scene)
     if order.variant is not None:
         from ..scene.variants import with_variant
@@ -165,14 +186,7 @@ def draw_picture(order: PictureOrder, talk: Talk) -> None:
 
         scene = at(scene, order.time or 0.0, numbered(order.animation))
     talk.note(scene.notes)
-    from ..produce.drawing import drawing
-
-    with Bar(enabled=not talk.quiet) as bar:
-        plate = drawing(
-            scene, width=order.width, height=order.height, camera=chosen_camera(order, scene), style=order.style or "plain",
-            background=_paper("white" if order.background is None else order.background), on_progress=bar,
-        )  # fmt: skip
-    _finish(order.model, order.output, plate, order.as_json, talk)
+    return scene
 
 
 def check_output(output: str) -> None:

@@ -32,7 +32,7 @@ from ..scene.framing import extent_points
 from ..scene.scene import Scene
 from .drawing import Plate, lines_of
 from .sheet_layout import Area, Layout, lay_out, paper_size, read_scale, scale_name
-from .sheet_marks import TITLE_HEIGHT, dimension, frame_area, frame_marks, label, scale_bar, title_block
+from .sheet_marks import TITLE_HEIGHT, dimension, frame_area, frame_marks, label, scale_bar, title_area, title_block
 
 __all__ = ["SHEET_UNITS", "SHEET_VIEWS", "technical_sheet"]
 
@@ -51,6 +51,7 @@ _ACROSS = {"front": 0, "back": 0, "top": 0, "bottom": 0, "right": 2, "left": 2}
 _DOWN = {"front": 1, "right": 1, "left": 1, "back": 1, "top": 2, "bottom": 2}
 _FINER = 4.0  # pixels of a view's picture in a millimetre of paper: exact shapes are divided to a tenth of one
 _MARGIN = 2.0  # millimetres of paper that a view's picture is larger on all sides than its view
+_BAR = 16.0  # millimetres that the scale bar takes of the height
 _DISTANCE = 9.0  # of dimension lines to the part
 
 
@@ -84,7 +85,7 @@ def technical_sheet(
     paper : str
         "A4" to "A0", "A4-portrait", "A3-portrait".
     scale : str or float, optional
-        "1:2", "5:1" or a number; None: the largest standard scale that fits.
+        "1:2", "5:1" or a number; None: the largest standard scale that fits, or one such as 1:4 where that would leave much empty.
     unit : "m" | "cm" | "mm" | "in"
         Of the model's coordinates.
     dimensions : bool
@@ -195,11 +196,12 @@ def _ends(points: Floats) -> tuple[Floats, Floats]:
 def _layout(
     windows: Mapping[str, _Window], unit_mm: float, projection: str, frame: Area, dimensions: bool, scale: float | None, paper: str
 ) -> Layout:
-    """Views above the title block, with room for what stands beside them."""
+    """Views above the title block or beside it, with room for what stands beside them."""
     sizes = {name: (window.width * unit_mm, window.height * unit_mm) for name, window in windows.items()}
     room = _DISTANCE + 6.0 if dimensions else 6.0
     area = frame.inset(room, 10.0, 6.0, TITLE_HEIGHT + room)
-    return lay_out(sizes, projection, area, 18.0 + (6.0 if dimensions else 0.0), scale, paper)
+    gap = 18.0 + (6.0 if dimensions else 0.0)
+    return lay_out(sizes, projection, area, gap, scale, paper, TITLE_HEIGHT - _BAR, title_area(frame))
 
 
 def _camera(name: str, window: _Window, layout: Layout, unit_mm: float) -> tuple[OrthographicCamera, int, int]:

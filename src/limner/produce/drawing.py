@@ -101,9 +101,12 @@ def check_plate(path: str | os.PathLike[str]) -> None:
     """Refuse a place where no plate can be written, before any work is done for it."""
     name = os.fspath(path)
     vector = Path(name).suffix.lower() in VECTOR_EXTENSIONS
+    # The same questions of its folder as for any picture.
+    asked = f"{name[:-4]}.png" if vector and not Path(name).is_dir() else name
     try:
-        # The same questions of its folder as for any picture.
-        check_destination(f"{name[:-4]}.png" if vector and not Path(name).is_dir() else name)
+        check_destination(asked)
+    except RenderError as error:
+        raise RenderError(str(error).replace(asked, name)) from error
     except UnsupportedError as error:
         raise UnsupportedError(f"{error}, or {', '.join(VECTOR_EXTENSIONS)}") from error
 

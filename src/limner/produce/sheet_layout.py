@@ -7,19 +7,21 @@
               top    iso           bottom
 
 In both, neighbouring views share their axis and stand in line; in first angle a view is behind what it shows, as a shadow that the part
-throws, in third angle in front of it, as on a glass box round the part.
+throws, in third angle in front of it, as on a glass box round the part. A view that is along no axis stands in the corner between others
+in which all may be drawn the largest, and where the title block leaves room, they stand beside it.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ..errors import SceneError, UnsupportedError
 
-__all__ = ["ANGLES", "PAPERS", "Area", "Layout", "fitting_scale", "lay_out", "paper_size", "read_scale", "scale_name"]
+__all__ = ["ANGLES", "PAPERS", "Area", "Layout", "fitting_scale", "lay_out", "paper_size", "read_scale", "scale_name", "scales_below"]
 
 PAPERS: Mapping[str, tuple[float, float]] = {
     "A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0), "A0": (1189.0, 841.0),
@@ -28,6 +30,8 @@ PAPERS: Mapping[str, tuple[float, float]] = {
 """Width and height, millimetres."""
 
 ANGLES = ("first", "third")
+
+_FILLED = 0.7  # of what fits: where a standard scale is less, one between the standard ones is taken
 
 _THIRD = {"front": (0, 0), "top": (0, -1), "bottom": (0, 1), "right": (1, 0), "left": (-1, 0), "back": (2, 0)}
 _CORNERS = {"first": ((1, 1), (1, -1), (-1, -1), (-1, 1)), "third": ((1, -1), (1, 1), (-1, -1), (-1, 1))}
@@ -102,8 +106,30 @@ def fitting_scale(most: float) -> float:
     raise AssertionError("a power of ten is at most the number whose logarithm it has")
 
 
+def scales_below(most: float) -> Iterator[float]:
+    """Standard scales and those between them that drawings have where a standard one would leave half of the paper empty, from the largest
+    that is at most `most` to an eighth of it.
+
+    >>> [scale_name(scale) for scale in scales_below(0.11)]
+    ['1:10', '1:15', '1:20', '1:25', '1:40', '1:50']
+    >>> [scale_name(scale) for scale in scales_below(4.5)]
+    ['4:1', '2.5:1', '2:1', '1:1', '1:1.5']
+
+    **Source**: ISO 5455:1979, 3.1 and 3.2 (intermediate scales where the standard ones do not do); GOST 2.302-68 (which).
+    """
+    decade = math.floor(math.log10(most))
+    larger = [m * 10.0**k for k in range(max(decade - 1, 0), decade + 2) for m in (1.0, 2.0, 2.5, 4.0, 5.0)]
+    smaller = [1.0 / (m * 10.0**k) for k in range(max(-decade - 2, 0), max(-decade + 2, 0)) for m in (1.5, 2.0, 2.5, 4.0, 5.0, 7.5, 10.0)]
+    yield from sorted((scale for scale in larger + smaller if most / 8.0 <= scale <= most * (1.0 + 1e-9)), reverse=True)
+
+
 def places(views: Sequence[str], angle: str) -> dict[str, tuple[int, int]]:
     """Column and row of each view, the front at (0, 0); what is no view along an axis gets a corner that is free."""
+    return next(_arrangements(views, angle))
+
+
+def _arrangements(views: Sequence[str], angle: str) -> Iterator[dict[str, tuple[int, int]]]:
+    """The places of views, with those that are along no axis in one of the free corners after the other."""
     if angle not in ANGLES:
         raise UnsupportedError(f"projection must be one of {', '.join(ANGLES)}, got {angle!r}")
     sign = -1 if angle == "first" else 1
@@ -111,15 +137,15 @@ def places(views: Sequence[str], angle: str) -> dict[str, tuple[int, int]]:
     if "back" in found:
         found["back"] = (2, 0)  # at the right end, in both
     free = [corner for corner in _CORNERS[angle] if corner not in found.values()]
-    for name in views:
-        if name not in found:
-            found[name] = free.pop(0)
-    return found
+    others = [name for name in views if name not in found]
+    for corners in itertools.permutations(free, len(others)):
+        yield {name: found[name] if name in found else corners[others.index(name)] for name in views}
 
 
 def lay_out(
-    sizes: Mapping[str, tuple[float, float]], angle: str, area: Area, gap: float, scale: float | None = None, paper: str = "the paper"
-) -> Layout:
+    sizes: Mapping[str, tuple[float, float]], angle: str, area: Area, gap: float, scale: float | None = None, paper: str = "the paper",
+    below: float = 0.0, taken: Area | None = None,
+) -> Layout:  # fmt: skip
     """Put views in line in the middle of an area.
 
     Parameters
@@ -131,24 +157,73 @@ def lay_out(
     gap : float
         Between views, millimetres.
     scale : float, optional
-        None: the largest standard scale that fits.
+        None: the largest standard scale that fits, or one between these where that leaves much of the paper empty.
     paper : str
         What an error calls the area.
+    below : float
+        By how much views may reach beyond the area's lower end, where they stay clear of what is taken.
+    taken : Area, optional
     """
-    cells = places(list(sizes), angle)
-    columns, rows = _tracks(sizes, cells, 0), _tracks(sizes, cells, 1)
-    room = area.width - gap * (len(columns) - 1), area.height - gap * (len(rows) - 1)
-    wanted = sum(columns.values()), sum(rows.values())
-    most = min((have / need for have, need in zip(room, wanted, strict=True) if need > 0.0), default=1.0)
-    if min(room) <= 0.0:
+    arrangements = list(_arrangements(list(sizes), angle))
+    rooms = [area] if below == 0.0 else [area, area.inset(0.0, 0.0, 0.0, -below)]
+    tables = [(cells, _tracks(sizes, cells, 0), _tracks(sizes, cells, 1)) for cells in arrangements]
+    if min(min(_left(rooms[-1], columns, rows, gap)) for _, columns, rows in tables) <= 0.0:
         raise SceneError(f"{paper} has no room for {len(sizes)} views: choose a larger one")
-    if scale is None:
-        scale = fitting_scale(most)
-    elif scale > most * (1.0 + 1e-9):
-        fits = scale_name(fitting_scale(most))
-        raise SceneError(f"at {scale_name(scale)} the views do not fit on {paper}: choose {fits} or a larger paper")
-    across = _starts(columns, scale, gap, area.x, area.width)
-    down = _starts(rows, scale, gap, area.y, area.height)
+    most = max(_most(rooms[-1], columns, rows, gap) for _, columns, rows in tables)
+
+    def made(wanted: float) -> Layout | None:
+        for (cells, columns, rows), room in itertools.product(tables, rooms):
+            if wanted > _most(room, columns, rows, gap) * (1.0 + 1e-9):
+                continue
+            for left in (0.5, 0.25, 0.0):
+                layout = _layout(sizes, cells, columns, rows, room, gap, wanted, left)
+                if taken is None or not any(_overlap(view, taken, gap) for view in layout.areas.values()):
+                    return layout
+        return None
+
+    if scale is not None:
+        layout = made(scale)
+        if layout is None:
+            fits = scale_name(_largest(made, most).scale)
+            raise SceneError(f"at {scale_name(scale)} the views do not fit on {paper}: choose {fits} or a larger paper")
+        return layout
+    return _largest(made, most)
+
+
+def _largest(made: Callable[[float], Layout | None], most: float) -> Layout:
+    """The layout at the largest scale that is standard, unless one between the standard ones is much larger."""
+    layouts = [layout for layout in map(made, scales_below(most)) if layout is not None]
+    largest = layouts[0] if layouts else made(fitting_scale(most / 8.0))
+    assert largest is not None
+    for layout in layouts:
+        if math.isclose(layout.scale, fitting_scale(layout.scale)):
+            return layout if layout.scale > _FILLED * largest.scale else largest
+    return largest
+
+
+def _most(area: Area, columns: Mapping[int, float], rows: Mapping[int, float], gap: float) -> float:
+    """The scale at which views fill an area."""
+    wanted = sum(columns.values()), sum(rows.values())
+    return min((have / need for have, need in zip(_left(area, columns, rows, gap), wanted, strict=True) if need > 0.0), default=1.0)
+
+
+def _left(area: Area, columns: Mapping[int, float], rows: Mapping[int, float], gap: float) -> tuple[float, float]:
+    """What gaps leave of an area's sides."""
+    return area.width - gap * (len(columns) - 1), area.height - gap * (len(rows) - 1)
+
+
+def _overlap(one: Area, other: Area, gap: float) -> bool:
+    across = min(one.x + one.width, other.x + other.width) - max(one.x, other.x)
+    down = min(one.y + one.height, other.y + other.height) - max(one.y, other.y)
+    return across > -gap / 2.0 and down > -gap / 2.0
+
+
+def _layout(
+    sizes: Mapping[str, tuple[float, float]], cells: Mapping[str, tuple[int, int]], columns: Mapping[int, float],
+    rows: Mapping[int, float], area: Area, gap: float, scale: float, left: float,
+) -> Layout:  # fmt: skip
+    across = _starts(columns, scale, gap, area.x, area.width, left)
+    down = _starts(rows, scale, gap, area.y, area.height, 0.5)
     areas = {}
     for name, (width, height) in sizes.items():
         column, row = cells[name]
@@ -166,9 +241,10 @@ def _tracks(sizes: Mapping[str, tuple[float, float]], cells: Mapping[str, tuple[
     return dict(sorted(found.items()))
 
 
-def _starts(tracks: Mapping[int, float], scale: float, gap: float, first: float, room: float) -> dict[int, float]:
+def _starts(tracks: Mapping[int, float], scale: float, gap: float, first: float, room: float, share: float) -> dict[int, float]:
+    """Where columns or rows begin, with a share of what room they leave before them."""
     total = sum(tracks.values()) * scale + gap * (len(tracks) - 1)
-    at, starts = first + (room - total) / 2.0, {}
+    at, starts = first + (room - total) * share, {}
     for track, size in tracks.items():
         starts[track] = at
         at += size * scale + gap

@@ -20,7 +20,10 @@ from ..draw.page import Caption, Mark, Patch, Trace, advance
 from ..draw.stroke import Pen
 from .sheet_layout import Area
 
-__all__ = ["BLACK", "TITLE_HEIGHT", "dimension", "frame_area", "frame_marks", "label", "projection_symbol", "scale_bar", "title_block"]
+__all__ = [
+    "BLACK", "TITLE_HEIGHT", "dimension", "frame_area", "frame_marks", "label", "projection_symbol", "scale_bar", "title_area",
+    "title_block",
+]  # fmt: skip
 
 BLACK: Rgba = (0.0, 0.0, 0.0, 1.0)
 TITLE_HEIGHT = 36.0
@@ -48,10 +51,16 @@ def frame_marks(frame: Area) -> list[Mark]:
     return [_box(frame, _THICK), *(_line(a, b, _THICK) for a, b in ticks)]
 
 
+def title_area(frame: Area) -> Area:
+    """Where the title block stands in a frame."""
+    width = min(_TITLE_WIDTH, frame.width)
+    return Area(frame.x + frame.width - width, frame.y + frame.height - TITLE_HEIGHT, width, TITLE_HEIGHT)
+
+
 def title_block(frame: Area, name: str, scale: str, paper: str, angle: str, unit: str, date: str) -> list[Mark]:
     """The block in the lower right corner of a frame."""
-    width = min(_TITLE_WIDTH, frame.width)
-    block = Area(frame.x + frame.width - width, frame.y + frame.height - TITLE_HEIGHT, width, TITLE_HEIGHT)
+    block = title_area(frame)
+    width = block.width
     left, half = width * 0.5, TITLE_HEIGHT / 2.0
     x, y = block.x, block.y
     marks: list[Mark] = [_box(block, _THICK), _line((x + left, y), (x + left, y + TITLE_HEIGHT), _ROUND)]

@@ -9,7 +9,7 @@ import pytest
 
 from limner.draw.page import Caption, Patch, Trace
 from limner.errors import SceneError, UnsupportedError
-from limner.produce.sheet_layout import Area, fitting_scale, lay_out, paper_size, places, read_scale, scale_name
+from limner.produce.sheet_layout import Area, fitting_scale, lay_out, paper_size, places, read_scale, scale_name, scales_below
 from limner.produce.sheet_marks import dimension, projection_symbol, scale_bar
 
 SIZES = {"front": (40.0, 30.0), "top": (40.0, 20.0), "right": (20.0, 30.0), "left": (20.0, 30.0), "back": (40.0, 30.0), "iso": (45.0, 45.0)}
@@ -45,6 +45,33 @@ def test_scales_are_standard_and_the_largest() -> None:
         mantissa = scale / 10.0 ** math.floor(math.log10(scale) + 1e-9)
         assert min(abs(mantissa - m) for m in (1.0, 2.0, 5.0)) < 1e-9
         assert math.isclose(read_scale(scale_name(scale)), scale)
+
+
+def test_views_fill_the_paper() -> None:
+    """Of parts of any shape and size, with all that stands beside them clear of the title block: the scale is the largest that drawings
+    have, of all corners for the view along no axis, or a standard one that is more than seven tenths of it; and it is told exactly."""
+    block, rng = Area(230.0, 250.0, 180.0, 36.0), np.random.default_rng(4)
+    room = AREA.inset(0.0, 0.0, 0.0, -20.0)
+    for _ in range(60):
+        w, h, d = 10.0 ** rng.uniform(-3.0, 5.0) * rng.uniform(0.2, 1.0, 3)
+        iso = (w + d) * math.sqrt(0.5), h + 0.4 * (w + d)
+        sizes = {"front": (w, h), "top": (w, d), "right": (d, h), "iso": iso}
+        plain = lay_out(sizes, "first", AREA, 12.0)
+        scale, areas = lay_out(sizes, "first", AREA, 12.0, None, "A3", 20.0, block)
+        assert scale >= plain.scale * 0.7
+        assert any(math.isclose(scale, s) for s in scales_below(1.1 * scale))
+        assert math.isclose(read_scale(scale_name(scale)), scale)
+        for one in areas.values():
+            assert one.x >= room.x - 1e-9
+            assert one.y >= room.y - 1e-9
+            assert one.x + one.width <= room.x + room.width + 1e-9
+            assert one.y + one.height <= room.y + room.height + 1e-9
+            assert min(block.x - one.x - one.width, block.y - one.y - one.height) > 0.0 or max(
+                block.x - one.x - one.width, block.y - one.y - one.height
+            ) >= 6.0 - 1e-9
+        # From one scale to the next it is a half at most, over seven tenths.
+        with pytest.raises(SceneError, match="do not fit"):
+            lay_out(sizes, "first", AREA, 12.0, scale * 1.5 / 0.7, "A3", 20.0, block)
 
 
 def test_a_scale_that_does_not_fit_is_refused() -> None:

@@ -151,9 +151,8 @@ class RayCaster:
         indices = _rows_of_three(triangles, "triangles", "iu")
         _check_range(indices, len(points))
         self.n_triangles = len(indices)
-        kept, used = _finite_triangles(points, indices)
+        self._rows, used = _finite_triangles(points, indices)
         self._frame = _frame(points if used.all() else points[used])
-        self._rows = kept if len(kept) < len(indices) else None
         self._n_vertices, self._triangles = len(points), indices.astype(np.int32)
         self._accelerator = _built(self._near(points), self._kept_triangles(), self._rows, accelerator, spatial_splits)
         self._in_parts = spatial_splits and accelerator == "bvh"
@@ -355,16 +354,16 @@ def _check_range(triangles: NDArray[Any], n_vertices: int) -> None:
         raise SceneError(f"triangles must lie in 0..{n_vertices - 1}, got {triangles[row].tolist()} at triangle {row}")
 
 
-def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
-    """The triangles that are made of numbers, (m,) rows, and which vertices, (n,) bool, they are made of."""
+def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32] | None, NDArray[np.bool_]]:
+    """The triangles that are made of numbers, (m,) rows, None if all are, and which vertices, (n,) bool, they are made of."""
     used = np.zeros(len(points), dtype=np.bool_)
     if np.isfinite(points).all():
         used[triangles.reshape(-1)] = True
-        return np.arange(len(triangles), dtype=np.int32), used
+        return None, used
     finite = np.isfinite(points).all(axis=1)
     kept = np.flatnonzero(finite[triangles].all(axis=1)).astype(np.int32)
     used[triangles[kept]] = True
-    return kept, used
+    return kept if len(kept) < len(triangles) else None, used
 
 
 def _frame(points: NDArray[Any]) -> NDArray[np.float64]:

@@ -164,11 +164,11 @@ def build_over_triangles(
         if spatial_splits:
             corners = points[triangles]
             rows, bounds = split_boxes(corners.reshape(-1, 9), np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1))
-            triangles, boxes, known = triangles[rows], _turned(bounds), rows.astype(np.int32) if known is None else known[rows]
+            triangles, known = triangles[rows], rows.astype(np.int32) if known is None else known[rows]
+            binary, order = _binary_tree(_turned(bounds), 0)
         else:
-            boxes = np.empty((len(triangles), 8), dtype=np.float32)
-            _BOUND_TRIANGLES(points, triangles, boxes.reshape(-1))
-        tree = _wide_tree(_NO_PRIMITIVES, points, triangles, boxes, _NO_PRIMITIVES, 0)
+            binary, order = _binary_tree(_bounds_of(points, triangles), 0)
+        tree = _wide_tree(_NO_PRIMITIVES, points, triangles, binary, order, _NO_PRIMITIVES, 0)
     if known is not None and len(known):
         names = tree.tags.reshape(-1, 2, TAG_WORDS // 2)[:, 1]
         names[:] = known[names]
@@ -217,7 +217,15 @@ def _hierarchy(
     primitives: NDArray[np.void], corners: NDArray[np.float32], bounds: NDArray[np.float32], planes: NDArray[np.void], n_trees: int
 ) -> Accelerator:
     """The tree over more primitives than fit into a pack, of which the first `n_trees` are trees."""
-    return _wide_tree(primitives, corners.reshape(-1, 3), _NO_ROWS, _turned(bounds), planes, n_trees)
+    binary, order = _binary_tree(_turned(bounds), n_trees)
+    return _wide_tree(primitives, corners.reshape(-1, 3), _NO_ROWS, binary, order, planes, n_trees)
+
+
+def _bounds_of(points: NDArray[np.float32], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
+    """(n, 8): the boxes of triangles as the builder wants them."""
+    boxes = np.empty((len(triangles), 8), dtype=np.float32)
+    _BOUND_TRIANGLES(points, triangles, boxes.reshape(-1))
+    return boxes
 
 
 def _turned(bounds: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -231,13 +239,12 @@ def _wide_tree(
     primitives: NDArray[np.void],
     points: NDArray[np.float32],
     triangles: NDArray[np.int32],
-    boxes: NDArray[np.float32],
+    binary: NDArray[np.void],
+    order: NDArray[np.int32],
     planes: NDArray[np.void],
     n_trees: int,
 ) -> Accelerator:
-    """The tree over boxes, of which the first `n_trees` are trees; other arguments as of `widen.widen`. `boxes` come into its order."""
-    order = np.arange(len(boxes), dtype=np.int32)
-    binary = _binary_tree(boxes, order, n_trees)
+    """The tree of eight for a tree of two over primitives, of which the first `n_trees` are trees; arguments as of `widen.widen`."""
     n_binary = len(binary)
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
     packs, tags = _room_for_packs(n_binary + 1)
@@ -251,15 +258,16 @@ def _wide_tree(
     return Accelerator(nodes, packs, tags, primitives, planes)
 
 
-def _binary_tree(boxes: NDArray[np.float32], order: NDArray[np.int32], n_trees: int) -> NDArray[np.void]:
-    """(k,) NODE: the tree of two over boxes (n, 8), of which the first `n_trees` are trees; they and `order` come into that of its leaves.
+def _binary_tree(boxes: NDArray[np.float32], n_trees: int) -> tuple[NDArray[np.void], NDArray[np.int32]]:
+    """(k,) NODE: the tree of two over boxes (n, 8), of which the first `n_trees` are trees; and (n,) the order of its leaves.
 
-    Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree.
+    Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree. `boxes` come into its order.
     """
     n = len(boxes)
+    order, room = np.arange(n, dtype=np.int32), np.zeros(n, dtype=NODE)
     if n < _MANY or n_trees:
-        return _subtree(boxes, order, _LEAF_SIZE, 0, n_trees)
-    upper = _subtree(boxes, order, n // _PIECES, 0, 0)
+        return _subtree(boxes, order, room, _LEAF_SIZE, 0, n_trees).copy(), order
+    upper = _subtree(boxes, order, room, n // _PIECES, 0, 0).copy()
     depths = np.zeros(len(upper), dtype=np.int64)
     for node, children in enumerate(upper["child"]):
         depths[children[children >= 0]] = depths[node] + 1
@@ -270,7 +278,7 @@ def _binary_tree(boxes: NDArray[np.float32], order: NDArray[np.int32], n_trees: 
         node, side = pieces[k]
         first, count = -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
         part = slice(first, first + count)
-        made[k] = _subtree(boxes[part], order[part], _LEAF_SIZE, int(depths[node]) + 1, 0)
+        made[k] = _subtree(boxes[part], order[part], room[part], _LEAF_SIZE, int(depths[node]) + 1, 0)
         made[k]["child"][made[k]["child"] < 0] -= first
 
     run_all(build_piece, range(len(pieces)), thread_count(None))
@@ -278,13 +286,16 @@ def _binary_tree(boxes: NDArray[np.float32], order: NDArray[np.int32], n_trees: 
     for (node, side), start, piece in zip(pieces, starts, made, strict=False):
         upper["child"][node, side], upper["count"][node, side] = start, 0
         piece["child"][piece["child"] >= 0] += start
-    return np.concatenate([upper, *made])
+    return np.concatenate([upper, *made]), order
 
 
-def _subtree(boxes: NDArray[np.float32], order: NDArray[np.int32], leaf_size: int, above: int, n_trees: int) -> NDArray[np.void]:
-    nodes, used = np.zeros(len(order), dtype=NODE), np.array([0, n_trees], dtype=np.int64)
-    _BUILD(boxes.reshape(-1), order, nodes, *_build_scratch(), leaf_size, above, used)
-    return nodes[: int(used[0])].copy()
+def _subtree(
+    boxes: NDArray[np.float32], order: NDArray[np.int32], room: NDArray[np.void], leaf_size: int, above: int, n_trees: int
+) -> NDArray[np.void]:
+    """The tree over some boxes, in the first part of `room`."""
+    used = np.array([0, n_trees], dtype=np.int64)
+    _BUILD(boxes.reshape(-1), order, room, *_build_scratch(), leaf_size, above, used)
+    return room[: int(used[0])]
 
 
 def _build_scratch() -> tuple[NDArray[Any], ...]:

@@ -272,21 +272,32 @@ def _binary_tree(boxes: NDArray[np.float32], n_trees: int) -> tuple[NDArray[np.v
     for node, children in enumerate(upper["child"]):
         depths[children[children >= 0]] = depths[node] + 1
     pieces = [(node, side) for node, side in np.argwhere(upper["count"] > _LEAF_SIZE)]
-    made: list[NDArray[np.void]] = [upper] * len(pieces)
+    room, n_made = np.zeros(len(upper) + n, dtype=NODE), [0] * len(pieces)
+
+    def part_of(k: int) -> tuple[int, int]:
+        node, side = pieces[k]
+        return -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
 
     def build_piece(k: int) -> None:
-        node, side = pieces[k]
-        first, count = -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
-        part = slice(first, first + count)
-        made[k] = _subtree(boxes[part], order[part], room[part], _LEAF_SIZE, int(depths[node]) + 1, 0)
-        made[k]["child"][made[k]["child"] < 0] -= first
+        first, count = part_of(k)
+        part, place = slice(first, first + count), len(upper) + first
+        made = _subtree(boxes[part], order[part], room[place : place + count], _LEAF_SIZE, int(depths[pieces[k][0]]) + 1, 0)
+        made["child"][made["child"] < 0] -= first
+        n_made[k] = len(made)
 
     run_all(build_piece, range(len(pieces)), thread_count(None))
-    starts = np.cumsum([len(upper), *map(len, made)])
-    for (node, side), start, piece in zip(pieces, starts, made, strict=False):
-        upper["child"][node, side], upper["count"][node, side] = start, 0
-        piece["child"][piece["child"] >= 0] += start
-    return np.concatenate([upper, *made]), order
+    # Each piece has fewer nodes than primitives, so moved to the front in their order none meets the next.
+    end = len(upper)
+    for k in sorted(range(len(pieces)), key=lambda k: part_of(k)[0]):
+        place, (node, side) = len(upper) + part_of(k)[0], pieces[k]
+        piece = room[end : end + n_made[k]]
+        piece[:] = room[place : place + n_made[k]]
+        piece["child"][piece["child"] >= 0] += end
+        upper["child"][node, side], upper["count"][node, side] = end, 0
+        end += n_made[k]
+    room[: len(upper)] = upper
+    room.resize(end, refcheck=False)
+    return room, order
 
 
 def _subtree(

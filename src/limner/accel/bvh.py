@@ -10,6 +10,8 @@ What many instances share, and what moves, has a tree in its own space, and is o
 
 from __future__ import annotations
 
+import math
+import mmap
 from typing import Any, Literal
 
 import numpy as np
@@ -248,9 +250,9 @@ def _wide_tree(
     n_binary = len(binary)
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
     packs, tags = _room_for_packs(n_binary + 1)
-    costs, splits = np.empty((2 * n_binary, 7), dtype=np.float32), np.empty((2 * n_binary, 8), dtype=np.int8)
-    counts, firsts = np.empty(2 * n_binary, dtype=np.int32), np.empty(2 * n_binary, dtype=np.int32)
-    waiting, slots = np.empty((n_binary, 3), dtype=np.int32), np.empty((4, 16), dtype=np.int32)
+    costs, splits = _borrowed((2 * n_binary, 7), np.float32), _borrowed((2 * n_binary, 8), np.int8)
+    counts, firsts = _borrowed((2 * n_binary,), np.int32), _borrowed((2 * n_binary,), np.int32)
+    waiting, slots = _borrowed((n_binary, 3), np.int32), np.empty((4, 16), dtype=np.int32)
     used = np.array([0, n_trees], dtype=np.int64)
     _WIDEN(binary, primitives, points, triangles, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
     n_nodes, n_packs = (int(count) for count in used)
@@ -432,6 +434,12 @@ def _aligned(n: int, dtype: type) -> NDArray[Any]:
     room = np.empty(n + _LINE // 4, dtype=dtype)
     start = -room.ctypes.data % _LINE // 4
     return room[start : start + n]
+
+
+def _borrowed(shape: tuple[int, ...], dtype: type) -> NDArray[Any]:
+    """Scratch that goes back to the system when it is let go of; what the C library frees, it may keep."""
+    count = math.prod(shape)
+    return np.frombuffer(mmap.mmap(-1, max(count, 1) * np.dtype(dtype).itemsize), dtype=dtype, count=count).reshape(shape)
 
 
 def _cut(array: NDArray[Any], n: int) -> NDArray[Any]:

@@ -6,8 +6,9 @@ Three kinds of rays: primary ones of a picture of 1024 x 1024 in tiles of 8 x 8,
 shuffled, and random chords of the bounding sphere. Closest hit and any hit, one thread. embreex and Open3D ask Embree for one ray at a
 time, Mitsuba (`llvm`) for packets. limner and its peers run in processes of their own, on the same arrays, alternately, A B B A; told are
 millions of rays a second of processor time, so that other work on the machine counts little, and the median of the ratios of neighbours:
-above 1, limner is faster. Before anything is told, hits are compared: the same number of rays hit, and the same distances to float's
-error. How to set up the peers stands in peers.md.
+above 1, limner is faster. With `--threads 2`, of time by the clock, for which the machine must be idle; embreex has no threads. Before
+anything is told, hits are compared: the same number of rays hit, and the same distances to float's error. How to set up the peers stands in
+peers.md.
 """
 
 from __future__ import annotations
@@ -32,20 +33,22 @@ Floats = NDArray[np.float32]
 _LIMNER = """
 import json, sys, time
 import numpy, limner
+threads = int(sys.argv[3])
+now = time.process_time if threads == 1 else time.perf_counter
 held = numpy.load(sys.argv[1])
 limner.RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0]] * 9, numpy.arange(27).reshape(9, 3)).intersect([0, 0, 1], [0, 0, -1])
-began = time.process_time()
+began = now()
 caster = limner.RayCaster(held["vertices"], held["triangles"])
-told = {"build": time.process_time() - began}
+told = {"build": now() - began}
 for kind in ("primary", "bounces", "random"):
     origins, directions = held[kind + "_origins"], held[kind + "_directions"]
     for name, ask in (("closest", caster.intersect), ("any", caster.occluded)):
-        ask(origins[:64], directions[:64], threads=1)
+        ask(origins[:64], directions[:64], threads=threads)
         taken = []
-        for _ in range(3):
-            began = time.process_time()
-            found = ask(origins, directions, threads=1)
-            taken.append(time.process_time() - began)
+        for _ in range(3 if threads == 1 else 9):
+            began = now()
+            found = ask(origins, directions, threads=threads)
+            taken.append(now() - began)
         told[kind + " " + name] = len(origins) / min(taken) / 1e6
         if name == "closest":
             numpy.save(sys.argv[2] + kind, found.t)
@@ -57,20 +60,22 @@ import json, sys, time
 import numpy
 from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
+threads = int(sys.argv[3])
+now = time.process_time if threads == 1 else time.perf_counter
 held = numpy.load(sys.argv[1])
-began = time.process_time()
+began = now()
 scene = rtcore_scene.EmbreeScene()
 TriangleMesh(scene, held["vertices"][held["triangles"]])
 scene.run(numpy.zeros((1, 3), numpy.float32), numpy.ones((1, 3), numpy.float32))
-told = {"build": time.process_time() - began}
+told = {"build": now() - began}
 for kind in ("primary", "bounces", "random"):
     origins, directions = held[kind + "_origins"], held[kind + "_directions"]
     for name, query in (("closest", "INTERSECT"), ("any", "OCCLUDED")):
         taken = []
-        for _ in range(3):
-            began = time.process_time()
+        for _ in range(3 if threads == 1 else 9):
+            began = now()
             scene.run(origins, directions, query=query)
-            taken.append(time.process_time() - began)
+            taken.append(now() - began)
         told[kind + " " + name] = len(origins) / min(taken) / 1e6
     found = scene.run(origins, directions, query="INTERSECT", output=1)
     numpy.save(sys.argv[2] + kind, numpy.where(found["primID"] >= 0, found["tfar"], numpy.inf))
@@ -81,20 +86,23 @@ _OPEN3D = """
 import json, sys, time
 import numpy
 import open3d
+threads = int(sys.argv[3])
+now = time.process_time if threads == 1 else time.perf_counter
 held = numpy.load(sys.argv[1])
-began = time.process_time()
-scene = open3d.t.geometry.RaycastingScene(nthreads=1)
+began = now()
+scene = open3d.t.geometry.RaycastingScene(nthreads=threads)
 scene.add_triangles(open3d.core.Tensor(held["vertices"]), open3d.core.Tensor(held["triangles"].astype(numpy.uint32)))
 scene.cast_rays(open3d.core.Tensor(numpy.ones((1, 6), numpy.float32)))
-told = {"build": time.process_time() - began}
+told = {"build": now() - began}
 for kind in ("primary", "bounces", "random"):
     rays = open3d.core.Tensor(numpy.concatenate([held[kind + "_origins"], held[kind + "_directions"]], axis=1))
-    for name, ask in (("closest", lambda: scene.cast_rays(rays, nthreads=1)), ("any", lambda: scene.test_occlusions(rays, nthreads=1))):
+    asks = {"closest": lambda: scene.cast_rays(rays, nthreads=threads), "any": lambda: scene.test_occlusions(rays, nthreads=threads)}
+    for name, ask in asks.items():
         taken = []
-        for _ in range(3):
-            began = time.process_time()
+        for _ in range(3 if threads == 1 else 9):
+            began = now()
             found = ask()
-            taken.append(time.process_time() - began)
+            taken.append(now() - began)
         told[kind + " " + name] = rays.shape[0] / min(taken) / 1e6
         if name == "closest":
             numpy.save(sys.argv[2] + kind, found["t_hit"].numpy())
@@ -105,17 +113,19 @@ _MITSUBA = """
 import json, sys, time
 import numpy
 import drjit, mitsuba
+threads = int(sys.argv[3])
+now = time.process_time if threads == 1 else time.perf_counter
 mitsuba.set_variant("llvm_ad_rgb")
-drjit.set_thread_count(1)
+drjit.set_thread_count(threads)
 held = numpy.load(sys.argv[1])
 vertices, triangles = held["vertices"], held["triangles"]
 mesh = mitsuba.Mesh("mesh", len(vertices), len(triangles))
 parts = mitsuba.traverse(mesh)
 parts["vertex_positions"], parts["faces"] = vertices.ravel(), triangles.ravel().astype(numpy.uint32)
 parts.update()
-began = time.process_time()
+began = now()
 scene = mitsuba.load_dict({"type": "scene", "mesh": mesh})
-told = {"build": time.process_time() - began}
+told = {"build": now() - began}
 for kind in ("primary", "bounces", "random"):
     o, d = (numpy.ascontiguousarray(held[kind + part].T) for part in ("_origins", "_directions"))
     ray = mitsuba.Ray3f(mitsuba.Point3f(o), mitsuba.Vector3f(d))
@@ -131,11 +141,11 @@ for kind in ("primary", "bounces", "random"):
     for name, ask in (("closest", closest), ("any", any_hit)):
         ask(), drjit.sync_thread()
         taken = []
-        for _ in range(3):
-            began = time.process_time()
+        for _ in range(3 if threads == 1 else 9):
+            began = now()
             found = ask()
             drjit.sync_thread()
-            taken.append(time.process_time() - began)
+            taken.append(now() - began)
         told[kind + " " + name] = o.shape[1] / min(taken) / 1e6
         if name == "closest":
             numpy.save(sys.argv[2] + kind, numpy.array(found))
@@ -154,16 +164,19 @@ def main() -> None:
     parser.add_argument("--open3d", help="a Python with open3d")
     parser.add_argument("--mitsuba", help="a Python with mitsuba; DRJIT_LIBLLVM_PATH says where libLLVM is")
     parser.add_argument("--pairs", type=int, default=2)
+    parser.add_argument("--threads", type=int, default=1)
     options = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}")
     for model in options.models:
         for times in options.subdivide:
             with tempfile.TemporaryDirectory() as folder:
                 peers = {name: python for name in PEERS if (python := getattr(options, name))}
-                measure(model, times, peers, options.pairs, Path(folder))
+                if options.threads > 1:
+                    peers.pop("embree", None)
+                measure(model, times, peers, options.pairs, options.threads, Path(folder))
 
 
-def measure(model: str, times: int, peers: dict[str, str], pairs: int, folder: Path) -> None:
+def measure(model: str, times: int, peers: dict[str, str], pairs: int, threads: int, folder: Path) -> None:
     """Print the table of one mesh."""
     vertices, triangles = mesh_of(model, times)
     np.savez(folder / "rays.npz", vertices=vertices, triangles=triangles, **rays_through(vertices, triangles))  # type: ignore[arg-type]
@@ -171,7 +184,7 @@ def measure(model: str, times: int, peers: dict[str, str], pairs: int, folder: P
     for k in range(pairs):
         for who in list(told)[:: 1 if k % 2 == 0 else -1]:
             python, program = (sys.executable, _LIMNER) if who == "limner" else (peers[who], PEERS[who])
-            told[who].append(run(python, program, folder, f"{who}_"))
+            told[who].append(run(python, program, folder, f"{who}_", threads))
     for peer in peers:
         compare(folder, peer)
     print(f"\n{Path(model).name}, {len(triangles)} triangles{'':12} limner" + "".join(f"{peer:>10}  ratio" for peer in peers))
@@ -238,9 +251,9 @@ def on_sphere(random: np.random.Generator, n: int) -> NDArray[np.float64]:
     return unit(random.normal(size=(n, 3)))
 
 
-def run(python: str, program: str, folder: Path, name: str) -> dict[str, float]:
+def run(python: str, program: str, folder: Path, name: str, threads: int) -> dict[str, float]:
     """What a program tells."""
-    words = [python, "-c", program, str(folder / "rays.npz"), str(folder / name)]
+    words = [python, "-c", program, str(folder / "rays.npz"), str(folder / name), str(threads)]
     told: dict[str, float] = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout.splitlines()[-1])
     return told
 

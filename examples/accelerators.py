@@ -1,8 +1,8 @@
 """What rays look at (FoCG 12.3): cells of a grid, nodes of a BSP and boxes of a tree for each pixel, and triangles.
 
-A teapot in a stadium: steps around a field, and all the detail in one place. The columns are grid, BSP and the tree of least volumes;
-above, the parts of the structure that a pixel's ray visits, below, the triangles that it meets: colours go with the logarithm, from none
-to a thousand. The grid has one size of cell, and the teapot fits into a few of them.
+A teapot in a stadium: steps around a field, and all the detail in one place. The columns are grid, BSP, the tree of least volumes and the
+tree of eight children to a node, which limner uses; above, the parts of the structure that a pixel's ray visits, below, the triangles that
+it meets: colours go with the logarithm, from none to a thousand. The grid has one size of cell, and the teapot fits into a few of them.
 
     python examples/accelerators.py accelerators.png
 """
@@ -22,7 +22,7 @@ from limner.image.image import Image
 from limner.mesh.shapes.teapot import teapot
 from limner.raycaster import Kind
 
-KINDS = {"grid": "uniform grid", "bsp": "binary space partition", "volume_tree": "tree of least volumes"}
+KINDS = {"grid": "uniform grid", "bsp": "binary space partition", "volume_tree": "tree of least volumes", "bvh": "tree of eight"}
 WIDTH, HEIGHT, LINE = 420, 300, 30
 MOST = 1000.0
 RINGS, SIDES = 12, 120
@@ -65,7 +65,7 @@ def picture(counts: NDArray[np.int32]) -> Image:
 
 
 def main(target: str, small: bool = False) -> None:
-    """Two rows of three pictures."""
+    """Two rows of pictures."""
     corners = triangles()
     width, height = (105, 75) if small else (WIDTH, HEIGHT)
     eye, directions = eye_rays(width, height)

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from .accel import batch, batch_structures
 from .accel.batch_structures import Structure
 from .accel.bvh import build_over_triangles
-from .accel.layouts import PRIMITIVE, Accelerator
+from .accel.layouts import Accelerator
 from .accel.volume_tree import VolumeTree, build_volume_tree
 from .errors import SceneError, UnsupportedError
 from .tiles import thread_count
@@ -151,11 +151,10 @@ class RayCaster:
         indices = _rows_of_three(triangles, "triangles", "iu")
         _check_range(indices, len(points))
         self.n_triangles = len(indices)
-        kept, used = _finite_triangles(points, indices)
+        self._rows, used = _finite_triangles(points, indices)
         self._frame = _frame(points if used.all() else points[used])
-        self._rows = kept if len(kept) < len(indices) else None
         self._n_vertices, self._triangles = len(points), indices.astype(np.int32)
-        self._accelerator = _built(self._corners(points), kept, accelerator, spatial_splits)
+        self._accelerator = _built(self._near(points), self._kept_triangles(), self._rows, accelerator, spatial_splits)
         self._in_parts = spatial_splits and accelerator == "bvh"
         self._tree: VolumeTree | Accelerator | None = None
         if isinstance(self._accelerator, (Accelerator, VolumeTree)):
@@ -286,12 +285,20 @@ class RayCaster:
         """Bytes that the acceleration structure holds, the triangles' corners among them; not those of what `all_hits` builds."""
         return sum(part.nbytes for part in self._accelerator if isinstance(part, np.ndarray))
 
+    def _near(self, points: NDArray[Any]) -> NDArray[np.float32]:
+        """(n, 3) float32: the vertices, moved and scaled."""
+        if points.dtype == np.float32 and not self._frame[:3].any() and self._frame[3] == 1.0:
+            return np.ascontiguousarray(points)
+        with np.errstate(invalid="ignore", over="ignore"):
+            return np.ascontiguousarray((points.astype(np.float64) - self._frame[:3]) * self._frame[3], dtype=np.float32)
+
+    def _kept_triangles(self) -> NDArray[np.int32]:
+        """(m, 3): the triangles that are made of numbers."""
+        return self._triangles if self._rows is None else self._triangles[self._rows]
+
     def _corners(self, points: NDArray[Any]) -> NDArray[np.float32]:
         """(m, 9) float32: the vertices of the triangles that are kept, moved and scaled."""
-        with np.errstate(invalid="ignore", over="ignore"):
-            near = ((points.astype(np.float64) - self._frame[:3]) * self._frame[3]).astype(np.float32)
-        kept = self._triangles if self._rows is None else self._triangles[self._rows]
-        return np.take(near, kept.reshape(-1), axis=0).reshape(-1, 9)
+        return _corners_of(self._near(points), self._kept_triangles())
 
     def _triangles_of(self, rows: NDArray[np.int32]) -> NDArray[np.int32]:
         """The given triangles that stand in rows of the corners; -1 stays."""
@@ -303,14 +310,20 @@ class RayCaster:
         return f"RayCaster({self.n_triangles} triangles)"
 
 
-def _built(corners: NDArray[np.float32], kept: NDArray[np.int32], kind: Kind, spatial_splits: bool) -> Accelerator | Structure:
-    """An acceleration structure over triangles (n, 9); `kept` are their numbers."""
+def _corners_of(points: NDArray[np.float32], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
+    """(m, 9): the vertices of triangles."""
+    return np.take(points, triangles.reshape(-1), axis=0).reshape(-1, 9)
+
+
+def _built(
+    points: NDArray[np.float32], triangles: NDArray[np.int32], numbers: NDArray[np.int32] | None, kind: Kind, spatial_splits: bool
+) -> Accelerator | Structure:
+    """An acceleration structure over triangles (m, 3) of points (n, 3); `numbers`: as what a tree of eight knows them."""
     if kind not in get_args(Kind):
         raise UnsupportedError(f"accelerator must be one of {', '.join(map(repr, get_args(Kind)))}, got {kind!r}")
     if kind != "bvh" and kind != "linear":
-        return batch_structures.build_structure(corners, kind)
-    # What is said of triangles at rest stands in the packs, once more.
-    return build_over_triangles(corners, kept, kind, spatial_splits=spatial_splits)._replace(primitives=np.zeros(0, dtype=PRIMITIVE))
+        return batch_structures.build_structure(_corners_of(points, triangles), kind)
+    return build_over_triangles(points, triangles, kind, numbers=numbers, spatial_splits=spatial_splits)
 
 
 _Rays = tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
@@ -341,16 +354,16 @@ def _check_range(triangles: NDArray[Any], n_vertices: int) -> None:
         raise SceneError(f"triangles must lie in 0..{n_vertices - 1}, got {triangles[row].tolist()} at triangle {row}")
 
 
-def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
-    """The triangles that are made of numbers, (m,) rows, and which vertices, (n,) bool, they are made of."""
+def _finite_triangles(points: NDArray[Any], triangles: NDArray[Any]) -> tuple[NDArray[np.int32] | None, NDArray[np.bool_]]:
+    """The triangles that are made of numbers, (m,) rows, None if all are, and which vertices, (n,) bool, they are made of."""
     used = np.zeros(len(points), dtype=np.bool_)
     if np.isfinite(points).all():
         used[triangles.reshape(-1)] = True
-        return np.arange(len(triangles), dtype=np.int32), used
+        return None, used
     finite = np.isfinite(points).all(axis=1)
     kept = np.flatnonzero(finite[triangles].all(axis=1)).astype(np.int32)
     used[triangles[kept]] = True
-    return kept, used
+    return kept if len(kept) < len(triangles) else None, used
 
 
 def _frame(points: NDArray[Any]) -> NDArray[np.float64]:

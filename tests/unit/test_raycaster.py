@@ -367,21 +367,53 @@ def test_calls_that_are_none() -> None:
         RayCaster(TRIANGLE, [[0, 1, 2]], accelerator="octree")  # type: ignore[arg-type]
 
 
-def test_rays_that_go_together_hit_what_they_hit_alone():
-    """Eight neighbours of a picture are traced as one bundle, the same rays in another order singly: not a bit differs."""
+@pytest.mark.parametrize("spread", [1.0, 0.05])
+def test_rays_that_go_together_hit_what_they_hit_alone(spread: float) -> None:
+    """Neighbours of a picture are traced as one bundle, the same rays in another order singly: not a bit differs.
+
+    Eight of them where they spread, whole blocks where they do not, and those that go both up and down an axis by turns.
+    """
     mesh, random = torus(1.0, 0.4, 24, 16), np.random.default_rng(11)
     caster = RayCaster(mesh.positions, mesh.triangles)
-    x, y = (part.ravel() for part in np.meshgrid(np.linspace(-0.6, 0.6, 64), np.linspace(-0.6, 0.6, 64)))
+    side = np.linspace(-0.6, 0.6, 64 if _jit.MODE == "compiled" else 16)
+    x, y = (spread * part.ravel() for part in np.meshgrid(side, side))
     order = random.permutation(len(x))
     for turn in (np.eye(3), np.linalg.qr(random.normal(size=(3, 3)))[0]):
         for distance in (0.2, 2.5):
-            directions = np.stack([x, y, -np.ones_like(x)], axis=1) @ turn.T
+            directions = np.stack([x + (1.0 - spread) * 0.35, y, -np.ones_like(x)], axis=1) @ turn.T
             origins = np.tile(turn @ (0.05, 0.1, distance), (len(x), 1))
             together, alone = caster.intersect(origins, directions), caster.intersect(origins[order], directions[order])
             for field in ("t", "triangle", "u", "v"):
                 np.testing.assert_array_equal(getattr(together, field)[order], getattr(alone, field))
             np.testing.assert_array_equal(caster.occluded(origins, directions), together.triangle >= 0)
-            assert 0.1 < (together.triangle >= 0).mean() < 0.999
+            assert spread < 1.0 or 0.1 < (together.triangle >= 0).mean() < 0.999
+
+
+@pytest.mark.parametrize("accelerator", ["bvh", "linear"])
+def test_a_ray_hits_what_it_hits_whoever_goes_with_it(accelerator: Any) -> None:
+    """Alone, among seven, one more than a block, in float32 or float64, each with an end of its own or all with one: not a bit differs.
+
+    Among the rays are some that are none, and some from far away, which are brought close first.
+    """
+    vertices, triangles = soup(60)
+    caster = RayCaster(vertices, triangles, accelerator=accelerator)
+    origins, directions = (part[:130].astype(np.float32) for part in random_rays(130))
+    origins[40], directions[70] = np.nan, 0.0
+    origins[60:68] -= np.float32(10.0) * directions[60:68]
+    whole = caster.intersect(origins, directions)
+    assert 0.1 < whole.hit.mean() < 0.9
+    assert whole.hit[60:68].any()
+    dark = caster.occluded(origins, directions)
+    np.testing.assert_array_equal(dark, whole.hit)
+    for size in (1, 7, 65):
+        starts = range(0, 130, size)
+        parts = [caster.intersect(origins[k : k + size], directions[k : k + size]) for k in starts]
+        for field in ("t", "triangle", "u", "v"):
+            np.testing.assert_array_equal(np.concatenate([getattr(part, field) for part in parts]), getattr(whole, field))
+    double = caster.intersect(origins.astype(np.float64), directions.astype(np.float64), t_max=np.full(130, np.inf))
+    for field in ("t", "triangle", "u", "v"):
+        np.testing.assert_array_equal(getattr(double, field), getattr(whole, field))
+    np.testing.assert_array_equal(caster.occluded(origins.astype(np.float64), directions), dark)
 
 
 @pytest.mark.parametrize("accelerator", ["bvh", "linear"])
@@ -391,11 +423,12 @@ def test_another_pose_is_hit_as_a_new_caster_is(accelerator):
     caster = RayCaster(mesh.positions, mesh.triangles, accelerator=accelerator)
     p = mesh.positions.astype(np.float64)
     bent = np.stack([p[:, 0] + np.sin(2 * p[:, 1]), p[:, 1], p[:, 2] * (1.5 + p[:, 0])], axis=1)
+    n = MANY if _jit.MODE == "compiled" else 50
     for pose in (bent, 1e4 * bent + 1e7, p):
         caster.refit(pose)
         fresh = RayCaster(pose, mesh.triangles)
         centre, size = pose.mean(axis=0), np.ptp(pose, axis=0).max()
-        origins, targets = (centre + size * scale * random.normal(size=(2000, 3)) for scale in (2.0, 0.2))
+        origins, targets = (centre + size * scale * random.normal(size=(n, 3)) for scale in (2.0, 0.2))
         moved, expected = caster.intersect(origins, targets - origins), fresh.intersect(origins, targets - origins)
         np.testing.assert_array_equal(moved.triangle, expected.triangle)
         np.testing.assert_allclose(moved.t, expected.t, rtol=1e-6)

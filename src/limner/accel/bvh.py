@@ -10,6 +10,8 @@ What many instances share, and what moves, has a tree in its own space, and is o
 
 from __future__ import annotations
 
+import math
+import mmap
 from typing import Any, Literal
 
 import numpy as np
@@ -45,6 +47,7 @@ _LEAF_SIZE = 8  # as many as are met at once
 _LINE = 64  # bytes
 _MANY, _PIECES = 1 << 15, 64  # triangles of a tree that is made in pieces; how many of them, or a few more
 _I64 = Scalar(np.int64)
+_NO_PRIMITIVES, _NO_ROWS = np.zeros(0, dtype=PRIMITIVE), np.zeros((0, 3), dtype=np.int32)
 
 _GATHER = Door(
     "limner.accel.bvh_build",
@@ -70,14 +73,17 @@ _BUILD = Door(
 _TURN_BOUNDS = Door("limner.accel.bvh_build", "turn_bounds", (Array(np.float32, 2), Array(np.float32, 1)), "the boxes of a hierarchy")
 
 _BOUND_TRIANGLES = Door(
-    "limner.accel.bvh_build", "bound_triangles", (Array(np.float32, 2), Array(np.float32, 2)), "the bounds of triangles"
+    "limner.accel.bvh_build",
+    "bound_triangles",
+    (Array(np.float32, 2), Array(np.int32, 2), Array(np.float32, 1)),
+    "the bounds of triangles",
 )
 
 _WIDEN = Door(
     "limner.accel.widen",
     "widen",
     (
-        Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1), Array(np.int32, 1),
+        Array(NODE, 1), Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.int32, 1),
         Array(np.float32, 1), Array(np.int32, 1), Array(np.float32, 2), Array(np.int8, 2), Array(np.int32, 1), Array(np.int32, 1),
         Array(np.int32, 2), Array(np.int32, 2), Array(np.int64, 1),
     ),
@@ -87,7 +93,7 @@ _WIDEN = Door(
 _PACK = Door(
     "limner.accel.widen",
     "fill_packs",
-    (Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1)),
+    (Array(PRIMITIVE, 1), Array(np.float32, 2), Array(np.int32, 2), Array(np.int32, 1), Array(np.float32, 1), Array(np.int32, 1)),
     "gathering primitives in packs",
 )
 
@@ -134,16 +140,41 @@ def build(
 
 
 def build_over_triangles(
-    corners: NDArray[np.float32], numbers: NDArray[np.int32], accelerator: Kind = "bvh", *, spatial_splits: bool = False
+    points: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    accelerator: Kind = "bvh",
+    *,
+    numbers: NDArray[np.int32] | None = None,
+    spatial_splits: bool = False,
 ) -> Accelerator:
-    """Build an accelerator over triangles (n, 9) alone, known as `numbers` (n,), seen from both sides; large ones in parts on request."""
-    primitives, bounds = np.zeros(len(corners), dtype=PRIMITIVE), np.empty((len(corners), 6), dtype=np.float32)
-    primitives["triangle"], primitives["opaque"] = numbers, 1
-    _BOUND_TRIANGLES(corners, bounds)
-    if spatial_splits and accelerator == "bvh":
-        rows, bounds = split_boxes(corners, bounds)
-        primitives, corners = primitives[rows], corners[rows]
-    return build_over(primitives, corners, bounds, np.zeros(0, dtype=PRIMITIVE), accelerator)
+    """Build an accelerator over triangles alone, seen from both sides, that keeps no primitives: all that is said of them is in the packs.
+
+    Parameters
+    ----------
+    points : (k, 3) float32
+    triangles : (n, 3) int32
+    accelerator : "bvh" | "linear"
+    numbers : (n,) int32, optional
+        What the triangles are known as; None: their rows.
+    spatial_splits : bool
+        Whether large ones stand in the tree in parts.
+    """
+    known = numbers
+    if accelerator == "linear" or len(triangles) <= _LEAF_SIZE:
+        tree = _list(_NO_PRIMITIVES, points, triangles, _NO_PRIMITIVES)
+    else:
+        if spatial_splits:
+            corners = points[triangles]
+            rows, bounds = split_boxes(corners.reshape(-1, 9), np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1))
+            triangles, known = triangles[rows], rows.astype(np.int32) if known is None else known[rows]
+            binary, order = _binary_tree(_turned(bounds), 0)
+        else:
+            binary, order = _binary_tree(_bounds_of(points, triangles), 0)
+        tree = _wide_tree(_NO_PRIMITIVES, points, triangles, binary, order, _NO_PRIMITIVES, 0)
+    if known is not None and len(known):
+        names = tree.tags.reshape(-1, 2, TAG_WORDS // 2)[:, 1]
+        names[:] = known[names]
+    return tree
 
 
 def build_over(
@@ -170,68 +201,114 @@ def build_over(
         raise UnsupportedError(f'accelerator must be "bvh" or "linear", got {accelerator!r}')
     n = len(primitives)
     if accelerator == "linear" or n <= _LEAF_SIZE:
-        packs, tags = _room_for_packs((n + 7) // 8)
-        _PACK(primitives, corners, np.arange(n, dtype=np.int32), packs, tags)
-        return Accelerator(np.zeros(0, dtype=np.int32), packs, tags, primitives, planes)
+        return _list(primitives, corners.reshape(-1, 3), _NO_ROWS, planes)
     return _hierarchy(primitives, corners, bounds, planes, 0)
+
+
+def _list(
+    primitives: NDArray[np.void], points: NDArray[np.float32], triangles: NDArray[np.int32], planes: NDArray[np.void]
+) -> Accelerator:
+    """Packs without a tree."""
+    n = len(primitives) or len(triangles)
+    packs, tags = _room_for_packs((n + 7) // 8)
+    _PACK(primitives, points, triangles, np.arange(n, dtype=np.int32), packs, tags)
+    return Accelerator(np.zeros(0, dtype=np.int32), packs, tags, primitives, planes)
 
 
 def _hierarchy(
     primitives: NDArray[np.void], corners: NDArray[np.float32], bounds: NDArray[np.float32], planes: NDArray[np.void], n_trees: int
 ) -> Accelerator:
     """The tree over more primitives than fit into a pack, of which the first `n_trees` are trees."""
-    n = len(primitives)
-    order = np.arange(n, dtype=np.int32)
-    binary = _binary_tree(bounds, order, n_trees)
+    binary, order = _binary_tree(_turned(bounds), n_trees)
+    return _wide_tree(primitives, corners.reshape(-1, 3), _NO_ROWS, binary, order, planes, n_trees)
+
+
+def _bounds_of(points: NDArray[np.float32], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
+    """(n, 8): the boxes of triangles as the builder wants them."""
+    boxes = np.empty((len(triangles), 8), dtype=np.float32)
+    _BOUND_TRIANGLES(points, triangles, boxes.reshape(-1))
+    return boxes
+
+
+def _turned(bounds: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(n, 8): boxes (n, 6) as the builder wants them."""
+    boxes = np.empty((len(bounds), 8), dtype=np.float32)
+    _TURN_BOUNDS(bounds, boxes.reshape(-1))
+    return boxes
+
+
+def _wide_tree(
+    primitives: NDArray[np.void],
+    points: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    binary: NDArray[np.void],
+    order: NDArray[np.int32],
+    planes: NDArray[np.void],
+    n_trees: int,
+) -> Accelerator:
+    """The tree of eight for a tree of two over primitives, of which the first `n_trees` are trees; arguments as of `widen.widen`."""
     n_binary = len(binary)
     nodes = _aligned(NODE_WORDS * n_binary, np.int32)
     packs, tags = _room_for_packs(n_binary + 1)
-    costs, splits = np.empty((2 * n_binary, 7), dtype=np.float32), np.empty((2 * n_binary, 8), dtype=np.int8)
-    counts, firsts = np.empty(2 * n_binary, dtype=np.int32), np.empty(2 * n_binary, dtype=np.int32)
-    waiting, slots = np.empty((n_binary, 3), dtype=np.int32), np.empty((4, 16), dtype=np.int32)
+    costs, splits = _borrowed((2 * n_binary, 7), np.float32), _borrowed((2 * n_binary, 8), np.int8)
+    counts, firsts = _borrowed((2 * n_binary,), np.int32), _borrowed((2 * n_binary,), np.int32)
+    waiting, slots = _borrowed((n_binary, 3), np.int32), np.empty((4, 16), dtype=np.int32)
     used = np.array([0, n_trees], dtype=np.int64)
-    _WIDEN(binary, primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
+    _WIDEN(binary, primitives, points, triangles, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used)
     n_nodes, n_packs = (int(count) for count in used)
     nodes, packs, tags = _cut(nodes, NODE_WORDS * n_nodes), _cut(packs, PACK_WORDS * n_packs), _cut(tags, TAG_WORDS * n_packs)
     return Accelerator(nodes, packs, tags, primitives, planes)
 
 
-def _binary_tree(bounds: NDArray[np.float32], order: NDArray[np.int32], n_trees: int) -> NDArray[np.void]:
-    """(k,) NODE: the tree of two over boxes (n, 6), of which the first `n_trees` are trees; `order` becomes that of its leaves.
+def _binary_tree(boxes: NDArray[np.float32], n_trees: int) -> tuple[NDArray[np.void], NDArray[np.int32]]:
+    """(k,) NODE: the tree of two over boxes (n, 8), of which the first `n_trees` are trees; and (n,) the order of its leaves.
 
-    Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree.
+    Of many, the upper part is made first, and what is below it on all threads, piece by piece: the same tree. `boxes` come into its order.
     """
-    n = len(bounds)
-    boxes = np.empty((n, 16), dtype=np.float32)
-    _TURN_BOUNDS(bounds, boxes.reshape(-1))
+    n = len(boxes)
+    order, room = np.arange(n, dtype=np.int32), np.zeros(n, dtype=NODE)
     if n < _MANY or n_trees:
-        return _subtree(boxes, order, _LEAF_SIZE, 0, n_trees)
-    upper = _subtree(boxes, order, n // _PIECES, 0, 0)
+        return _subtree(boxes, order, room, _LEAF_SIZE, 0, n_trees).copy(), order
+    upper = _subtree(boxes, order, room, n // _PIECES, 0, 0).copy()
     depths = np.zeros(len(upper), dtype=np.int64)
     for node, children in enumerate(upper["child"]):
         depths[children[children >= 0]] = depths[node] + 1
     pieces = [(node, side) for node, side in np.argwhere(upper["count"] > _LEAF_SIZE)]
-    made: list[NDArray[np.void]] = [upper] * len(pieces)
+    room, n_made = np.zeros(len(upper) + n, dtype=NODE), [0] * len(pieces)
+
+    def part_of(k: int) -> tuple[int, int]:
+        node, side = pieces[k]
+        return -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
 
     def build_piece(k: int) -> None:
-        node, side = pieces[k]
-        first, count = -1 - int(upper["child"][node, side]), int(upper["count"][node, side])
-        part = slice(first, first + count)
-        made[k] = _subtree(boxes[part], order[part], _LEAF_SIZE, int(depths[node]) + 1, 0)
-        made[k]["child"][made[k]["child"] < 0] -= first
+        first, count = part_of(k)
+        part, place = slice(first, first + count), len(upper) + first
+        made = _subtree(boxes[part], order[part], room[place : place + count], _LEAF_SIZE, int(depths[pieces[k][0]]) + 1, 0)
+        made["child"][made["child"] < 0] -= first
+        n_made[k] = len(made)
 
     run_all(build_piece, range(len(pieces)), thread_count(None))
-    starts = np.cumsum([len(upper), *map(len, made)])
-    for (node, side), start, piece in zip(pieces, starts, made, strict=False):
-        upper["child"][node, side], upper["count"][node, side] = start, 0
-        piece["child"][piece["child"] >= 0] += start
-    return np.concatenate([upper, *made])
+    # Each piece has fewer nodes than primitives, so moved to the front in their order none meets the next.
+    end = len(upper)
+    for k in sorted(range(len(pieces)), key=lambda k: part_of(k)[0]):
+        place, (node, side) = len(upper) + part_of(k)[0], pieces[k]
+        piece = room[end : end + n_made[k]]
+        piece[:] = room[place : place + n_made[k]]
+        piece["child"][piece["child"] >= 0] += end
+        upper["child"][node, side], upper["count"][node, side] = end, 0
+        end += n_made[k]
+    room[: len(upper)] = upper
+    room.resize(end, refcheck=False)
+    return room, order
 
 
-def _subtree(boxes: NDArray[np.float32], order: NDArray[np.int32], leaf_size: int, above: int, n_trees: int) -> NDArray[np.void]:
-    nodes, used = np.zeros(len(order), dtype=NODE), np.array([0, n_trees], dtype=np.int64)
-    _BUILD(boxes.reshape(-1), order, nodes, *_build_scratch(), leaf_size, above, used)
-    return nodes[: int(used[0])].copy()
+def _subtree(
+    boxes: NDArray[np.float32], order: NDArray[np.int32], room: NDArray[np.void], leaf_size: int, above: int, n_trees: int
+) -> NDArray[np.void]:
+    """The tree over some boxes, in the first part of `room`."""
+    used = np.array([0, n_trees], dtype=np.int64)
+    _BUILD(boxes.reshape(-1), order, room, *_build_scratch(), leaf_size, above, used)
+    return room[: int(used[0])]
 
 
 def _build_scratch() -> tuple[NDArray[Any], ...]:
@@ -246,7 +323,7 @@ def _single_node(
     """A root alone, over at most eight primitives, of which the first `n_trees` are trees: a child for each of these, one for the rest."""
     packs, tags = _room_for_packs(1)
     rest = np.arange(n_trees, len(primitives), dtype=np.int32)
-    _PACK(primitives, corners, rest, packs, tags)
+    _PACK(primitives, corners.reshape(-1, 3), _NO_ROWS, rest, packs, tags)
     boxes = [*bounds[:n_trees], np.concatenate([bounds[rest, :3].min(axis=0), bounds[rest, 3:].max(axis=0)])] if len(rest) else [*bounds]
     node = _aligned(NODE_WORDS, np.int32)
     edges = np.repeat(np.array([np.inf, -np.inf], dtype=np.float32), 24).reshape(6, 8)
@@ -357,6 +434,12 @@ def _aligned(n: int, dtype: type) -> NDArray[Any]:
     room = np.empty(n + _LINE // 4, dtype=dtype)
     start = -room.ctypes.data % _LINE // 4
     return room[start : start + n]
+
+
+def _borrowed(shape: tuple[int, ...], dtype: type) -> NDArray[Any]:
+    """Scratch that goes back to the system when it is let go of; what the C library frees, it may keep."""
+    count = math.prod(shape)
+    return np.frombuffer(mmap.mmap(-1, max(count, 1) * np.dtype(dtype).itemsize), dtype=dtype, count=count).reshape(shape)
 
 
 def _cut(array: NDArray[Any], n: int) -> NDArray[Any]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import sqrt
-from ..kernel.lanes import at, lane, load8, max, min, put, splat8, store8, where
+from ..kernel.lanes import at, halves_swapped, lane, load8, max, min, put, splat8, store8, where
 from ..kernel.transform import transform_point
 from ..kernel.vec import ZERO, Vec3
 from ..tables.layouts import OPAQUE, SPHERE
@@ -65,29 +65,43 @@ def gather_primitives(
 
 
 # Rows of eight: of a box, the low corner, negated, and the high corner, each with a fourth number that says nothing, so that the greater of
-# each two numbers is the box that holds both. A primitive has two rows: its box, and the range of its centre, which is a point; in that of
-# a node all centres lie. Centres are twice what they are called: halving would change nothing.
+# each two numbers is the box that holds both. Of a primitive, its box; of a node, also that in which all centres lie. Centres are twice
+# what they are called: halving would change nothing.
 
 
 @kernel
-def bound_triangles(corners, bounds):
-    """Fill bounds (n, 6), low corner and high corner, from the vertices (n, 9) of triangles."""
-    for k in range(corners.shape[0]):
+def bound_triangles(points, triangles, boxes):
+    """Fill the row of each triangle (n, 3) over points (k, 3), `boxes` (8 n,)."""
+    for k in range(triangles.shape[0]):
+        a, b, c = at(triangles, (k, 0)), at(triangles, (k, 1)), at(triangles, (k, 2))
         for axis in range(3):
-            a, b, c = corners[k, axis], corners[k, 3 + axis], corners[k, 6 + axis]
-            bounds[k, axis], bounds[k, 3 + axis] = min(min(a, b), c), max(max(a, b), c)
+            x, y, z = at(points, (a, axis)), at(points, (b, axis)), at(points, (c, axis))
+            put(boxes, 8 * k + axis, -min(min(x, y), z))
+            put(boxes, 8 * k + 4 + axis, max(max(x, y), z))
+        put(boxes, 8 * k + 3, ZERO)
+        put(boxes, 8 * k + 7, ZERO)
 
 
 @kernel
 def turn_bounds(bounds, boxes):
-    """Fill the two rows of each primitive, `boxes` (16 n,), from bounds (n, 6)."""
+    """Fill the row of each primitive, `boxes` (8 n,), from bounds (n, 6)."""
     for k in range(bounds.shape[0]):
-        place = 16 * k
         for axis in range(3):
-            low, high = bounds[k, axis], bounds[k, 3 + axis]
-            boxes[place + axis], boxes[place + 4 + axis] = -low, high
-            boxes[place + 8 + axis], boxes[place + 12 + axis] = -(low + high), low + high
-        boxes[place + 3], boxes[place + 7], boxes[place + 11], boxes[place + 15] = ZERO, ZERO, ZERO, ZERO
+            put(boxes, 8 * k + axis, -bounds[k, axis])
+            put(boxes, 8 * k + 4 + axis, bounds[k, 3 + axis])
+        put(boxes, 8 * k + 3, ZERO)
+        put(boxes, 8 * k + 7, ZERO)
+
+
+@kernel
+def _center(box):
+    """The centre of a box as one that holds nothing else."""
+    return box - halves_swapped(box)
+
+
+@kernel
+def _center_along(boxes, i: int, axis: int) -> np.float32:
+    return at(boxes, 8 * i + 4 + axis) - at(boxes, 8 * i + axis)
 
 
 @kernel
@@ -124,11 +138,10 @@ def _bin_of(c: np.float32, low: np.float32, scale: np.float32) -> int:
 @kernel
 def _put_in_bins(boxes, i: int, low: Vec3, scale: Vec3, bins, counts):
     """Sort a primitive into a bin of each axis."""
-    place = 16 * i
-    box = load8(boxes, place)
-    x = _bin_of(at(boxes, place + 12), low.x, scale.x)
-    y = _BINS + _bin_of(at(boxes, place + 13), low.y, scale.y)
-    z = 2 * _BINS + _bin_of(at(boxes, place + 14), low.z, scale.z)
+    box = load8(boxes, 8 * i)
+    x = _bin_of(_center_along(boxes, i, 0), low.x, scale.x)
+    y = _BINS + _bin_of(_center_along(boxes, i, 1), low.y, scale.y)
+    z = 2 * _BINS + _bin_of(_center_along(boxes, i, 2), low.z, scale.z)
     _grow(bins, x, box)
     _grow(bins, y, box)
     _grow(bins, z, box)
@@ -199,17 +212,14 @@ def _partition(boxes, order, first: int, last: int, ranges, row: int, axis: int,
     _clear(bins, _RIGHT + 1)
     middle = first
     for k in range(first, last):
-        here, there = 16 * k, 16 * middle
-        box, center = load8(boxes, here), load8(boxes, here + 8)
-        is_left = _bin_of(at(boxes, here + 12 + axis), low, scale) <= split
-        store8(boxes, here, load8(boxes, there))
-        store8(boxes, here + 8, load8(boxes, there + 8))
-        store8(boxes, there, box)
-        store8(boxes, there + 8, center)
+        box = load8(boxes, 8 * k)
+        is_left = _bin_of(_center_along(boxes, k, axis), low, scale) <= split
+        store8(boxes, 8 * k, load8(boxes, 8 * middle))
+        store8(boxes, 8 * middle, box)
         number = at(order, k)
         put(order, k, at(order, middle))
         put(order, middle, number)
-        _grow(bins, where(is_left, _LEFT + 1, _RIGHT + 1), center)
+        _grow(bins, where(is_left, _LEFT + 1, _RIGHT + 1), _center(box))
         middle += np.int64(is_left)
     return middle
 
@@ -220,9 +230,9 @@ def _bound(boxes, first: int, last: int, bins, side: int):
     _clear(bins, side)
     _clear(bins, side + 1)
     for i in range(first, last):
-        place = 16 * i
-        _grow(bins, side, load8(boxes, place))
-        _grow(bins, side + 1, load8(boxes, place + 8))
+        box = load8(boxes, 8 * i)
+        _grow(bins, side, box)
+        _grow(bins, side + 1, _center(box))
 
 
 @kernel
@@ -239,7 +249,7 @@ def _any_before(n, order, first: int, last: int) -> bool:
 def build_tree(boxes, order, nodes, stack, ranges, bins, counts, costs, leaf_size, above, used):
     """Fill `nodes`, and bring `order` and `boxes` into the order of the leaves; used[0] is the number of nodes.
 
-    `boxes` (16 n,): the two rows of each primitive. The first used[1] primitives are trees, each a leaf of its own. `above`: how deep the
+    `boxes` (8 n,): the row of each primitive. The first used[1] primitives are trees, each a leaf of its own. `above`: how deep the
     root stands in a larger tree.
 
     `stack` (k, 4) holds what waits: node, first, last, depth; `ranges` (8 k + 8,) where its centres lie. Deep down, where the heuristic

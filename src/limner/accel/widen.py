@@ -14,6 +14,7 @@ import numpy as np
 
 from .._jit import kernel
 from ..kernel.elementary import as_int
+from ..kernel.lanes import at, put
 from .layouts import CORNERS, LINKS, NODE_WORDS, NOT_OPAQUE, NOT_PLAIN, ONLY_BACK, ONLY_FRONT, PACK_WORDS, TAG_WORDS, TREE_LINK
 
 __all__ = ["fill_packs", "widen"]
@@ -38,29 +39,35 @@ def _tag(primitive) -> int:
 
 
 @kernel
-def _fill_pack(packs, tags, pack: int, primitives, corners, order, first: int, count: int) -> int:
-    """Write the primitives order[first : first + count] as one pack. Returns its link."""
+def _fill_pack(packs, tags, pack: int, primitives, points, triangles, order, first: int, count: int) -> int:
+    """Write the primitives order[first : first + count] as one pack. Returns its link.
+
+    Each has the points of a row of `triangles`, or three of its own, if there are no rows. Without `primitives`, all are plain triangles.
+    """
     link = -1 - 2 * pack
     for i in range(8):
         place = np.int64(order[first + i]) if i < count else 0
-        tag, name = 0, 0
-        if i < count:
+        tag, name = 0, place
+        if i < count and primitives.shape[0] > 0:
             p = primitives[place]
             tag, name = 16 * np.int64(p["instance"]) + _tag(p), np.int64(p["triangle"])
             if p["triangle"] < 0:
                 name, link = place, -2 - 2 * pack
-        for c in range(9):
-            packs[PACK_WORDS * pack + 8 * c + i] = corners[place, c] if i < count else _NAN
-        tags[TAG_WORDS * pack + i], tags[TAG_WORDS * pack + 8 + i] = tag, name
+        for c in range(3):
+            row = np.int64(at(triangles, (place, c))) if triangles.shape[0] > 0 else 3 * place + c
+            for axis in range(3):
+                put(packs, PACK_WORDS * pack + 24 * c + 8 * axis + i, at(points, (row, axis)) if i < count else _NAN)
+        put(tags, TAG_WORDS * pack + i, tag)
+        put(tags, TAG_WORDS * pack + 8 + i, name)
     return link
 
 
 @kernel
-def fill_packs(primitives, corners, order, packs, tags):
+def fill_packs(primitives, points, triangles, order, packs, tags):
     """Write all primitives into packs, eight by eight: what there is without a tree."""
     n = order.shape[0]
     for pack in range((n + 7) // 8):
-        _fill_pack(packs, tags, pack, primitives, corners, order, 8 * pack, min(8, n - 8 * pack))
+        _fill_pack(packs, tags, pack, primitives, points, triangles, order, 8 * pack, min(8, n - 8 * pack))
 
 
 @kernel
@@ -129,7 +136,9 @@ def _gather_children(binary, splits, node: int, slots) -> int:
 
 
 @kernel
-def widen(binary, primitives, corners, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used):
+def widen(
+    binary, primitives, points, triangles, order, nodes, packs, tags, costs, splits, counts, firsts, waiting, slots, used
+):  # fmt: skip
     """Fill nodes, packs and tags from a tree of two children; used[0] and used[1] are how many nodes and packs there are.
 
     Of the primitives, the first used[1], on entry, are trees.
@@ -163,7 +172,8 @@ def widen(binary, primitives, corners, order, nodes, packs, tags, costs, splits,
                 if splits[box, 7] == 0 and counts[box] > 8:
                     link = TREE_LINK - np.int64(order[firsts[box]])
                 elif splits[box, 7] == 0:
-                    link = _fill_pack(packs, tags, n_packs, primitives, corners, order, np.int64(firsts[box]), np.int64(counts[box]))
+                    first, count = np.int64(firsts[box]), np.int64(counts[box])
+                    link = _fill_pack(packs, tags, n_packs, primitives, points, triangles, order, first, count)
                     n_packs += 1
                 else:
                     link = n_nodes

@@ -9,11 +9,11 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
 
-from ._lane_types import BOOL_LANES, FLOAT_LANES, I1, I8, I32, INT_LANES, BoolLanes, LaneType, eightfold, scalar_for, spread_value
+from ._lane_types import BOOL_LANES, EIGHT, FLOAT_LANES, I1, I8, I32, INT_LANES, BoolLanes, LaneType, eightfold, scalar_for, spread_value
 
 __all__ = [
-    "all_of", "any_of", "compressed", "count_set", "first_set", "lane", "lanes_of", "mask_of", "splat8", "splat8_int", "spread", "where",
-    "with_lane",
+    "all_of", "any_of", "compressed", "count_set", "first_set", "halves_swapped", "lane", "lanes_of", "mask_of", "splat8", "splat8_int",
+    "spread", "where", "with_lane",
 ]  # fmt: skip
 
 
@@ -108,6 +108,16 @@ def compressed(typingctx: Any, v: Any, condition: Any) -> Any:
         return builder.call(function, [args[0], args[1], ir.Constant(kind.vector, ir.Undefined)])
 
     return v(v, condition), lower
+
+
+@intrinsic  # type: ignore[misc]
+def halves_swapped(typingctx: Any, v: Any) -> Any:
+    """Lanes 4 to 7, then lanes 0 to 3."""
+
+    def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.shuffle_vector(args[0], args[0], ir.Constant(ir.VectorType(I32, EIGHT), [4, 5, 6, 7, 0, 1, 2, 3]))
+
+    return (v(v), lower) if isinstance(v, LaneType) else None
 
 
 # --- conditions -----------------------------------------------------------------------------------------------------------

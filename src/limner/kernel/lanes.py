@@ -31,9 +31,9 @@ from .._jit import MODE
 
 __all__ = [
     "ALL_LANES", "add_rows", "add_rows_at", "all_of", "any_of", "at", "bool8", "compressed", "count_set", "double", "f32x8", "f64x8",
-    "first_set", "four_bytes", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8", "lowest", "mask_of",
-    "max", "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words", "sum8",
-    "three_columns", "to_float", "to_int", "where", "with_lane",
+    "first_set", "four_bytes", "halves_swapped", "highest", "i32x8", "i64x8", "int32", "lane", "lanes_of", "load8", "load_rows", "long8",
+    "lowest", "mask_of", "max", "min", "prefetch", "put", "single", "splat8", "splat8_int", "spread", "store8", "store_rows", "store_words",
+    "sum8", "three_columns", "to_float", "to_int", "where", "with_lane",
 ]  # fmt: skip
 
 ALL_LANES = np.int32(255)
@@ -201,6 +201,7 @@ if MODE == "compiled":
         compressed,
         count_set,
         first_set,
+        halves_swapped,
         lane,
         lanes_of,
         mask_of,
@@ -252,6 +253,10 @@ else:
     def compressed(v: Any, condition: bool8) -> Any:
         """The lanes of float32 or int32 where the condition holds, moved together to the front; what is behind them may be anything."""
         return v._with(np.concatenate([v.values[condition.values], v.values[~condition.values]]))
+
+    def halves_swapped(v: Any) -> Any:
+        """Lanes 4 to 7, then lanes 0 to 3."""
+        return v._with(np.roll(v.values, 4))
 
     def any_of(condition: Any) -> bool:
         """Whether a condition holds for the one, or for any of eight."""

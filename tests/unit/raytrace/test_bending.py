@@ -11,8 +11,8 @@ from staging import SLOW_AS_PYTHON, lit_from
 
 from limner.accel import bvh
 from limner.linear import quaternion, transform
-from limner.mesh.shapes import primitives
 from limner.mesh.mesh import Mesh
+from limner.mesh.shapes import primitives
 from limner.render import render
 from limner.scene.animation import Animation, NodeChannel, WeightsChannel
 from limner.scene.bending import bent_meshes

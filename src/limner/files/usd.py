@@ -117,6 +117,9 @@ def _reason(error: Exception) -> str:
 def _check_layers(stage: Any, path: Path) -> None:
     folder = path.resolve().parent
     for layer in stage.GetUsedLayers():
+        if not layer.timeCodesPerSecond > 0.0:
+            # The library would map times of one layer to those of another for ever.
+            raise FileFormatError(f"timeCodesPerSecond must be positive, got {layer.timeCodesPerSecond:g}", path)
         place = layer.realPath.partition("[")[0]
         if place and not Path(place).resolve().is_relative_to(folder):
             remedy = "`usdcat --flatten` makes one file of all"

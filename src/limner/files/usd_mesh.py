@@ -19,7 +19,7 @@ from ..errors import FileFormatError
 from ..linear.transform import rotate
 from ..mesh.mesh import Mesh
 from ..mesh.polygons import triangulate
-from ..mesh.revolution import capsule
+from ..mesh.shapes.revolution import capsule
 from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
 from ..scene.rig import Morph

@@ -480,6 +480,17 @@ def test_curves_that_are_pinned_or_closed(tmp_path: Path, basis: str) -> None:
     np.testing.assert_allclose(closed.positions.mean(axis=0), [1.5, 1.0, 0.0], atol=1e-6)
 
 
+@pytest.mark.parametrize("rate", [0, -1])
+def test_a_clock_that_does_not_run(tmp_path: Path, rate: int) -> None:
+    """A rate at which no time passes is refused, where the library would not come back."""
+    (tmp_path / "below.usda").write_text(
+        '#usda 1.0\n( timeCodesPerSecond = 24 )\ndef Sphere "a" { double3 xformOp:translate.timeSamples = { 0: (0,0,0), 9: (1,0,0) }\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"] }'
+    )
+    with pytest.raises(FileFormatError, match=f"timeCodesPerSecond must be positive, got {rate}"):
+        stage(tmp_path, "", more=f"timeCodesPerSecond = {rate}\n subLayers = [@./below.usda@]")
+
+
 def test_values_of_another_kind_than_the_schema_says(tmp_path: Path) -> None:
     """Points that are numbers alone: that mesh is left out, with a word, and the others are read."""
     bad = SQUARE.replace("point3f[] points", "int[] points").replace("(0,0,0)", "0")

@@ -38,6 +38,7 @@ from .gltf_material import Materials
 from .gltf_material_parts import DISPERSION, IOR, PARTS
 from .gltf_mesh import Meshes
 from .gltf_rig import Rigs
+from .gltf_slips import note_slips
 from .limits import DEFAULT, Limits
 from .notes import Notes, quoted, without_path
 from .sources import Sources
@@ -89,6 +90,8 @@ def read(
         text, binary = read_container(data, path, notes)
     if len(text) > limits.max_json_bytes:
         raise FileFormatError(f"its JSON has {len(text)} bytes, the limit is {limits.max_json_bytes} (max_json_bytes)", path)
+    if bytes(text[:3]) == b"\xef\xbb\xbf":
+        notes.add("begins with a byte order mark, which is ignored")
     return _Reader(parse_json(text, path), binary, sources, notes).scene(scene)
 
 
@@ -137,6 +140,7 @@ class _Reader:
         name = (chosen.name() if chosen is not None else "") or Path(self._root.path).stem
         root = Node(children=tuple(built[index] for index in roots))
         animations = self._animations.read(Names(self._paths, self._materials.name, self._light_name, self._camera_name))
+        note_slips(self._root, self._notes)
         return Scene(root, name=name, notes=self._notes.lines(), animations=animations)
 
     # The graph

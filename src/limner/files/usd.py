@@ -18,8 +18,9 @@ import importlib
 import math
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,6 @@ from ..errors import FileFormatError, LimnerError, UnsupportedError
 from ..linear import quaternion
 from ..scene.animation import Animation, Channel, FieldChannel, NodeChannel, WeightsChannel
 from ..scene.camera import Camera, OrthographicCamera, PerspectiveCamera
-from ..scene.light import Light
 from ..scene.motion import KeyedMotion
 from ..scene.node import MAX_DEPTH, Node
 from ..scene.scene import Scene
@@ -51,6 +51,7 @@ _SHEARED = 1e-4  # of a cosine, how far axes may be from right angles
 _TENTH = 0.1  # lengths of a camera's lens and film are tenths of the stage's unit
 
 Floats = NDArray[np.float64]
+Read = TypeVar("Read")
 
 
 class Modules(NamedTuple):
@@ -116,9 +117,13 @@ def _reason(error: Exception) -> str:
 def _check_layers(stage: Any, path: Path) -> None:
     folder = path.resolve().parent
     for layer in stage.GetUsedLayers():
+        if not layer.timeCodesPerSecond > 0.0:
+            # The library would map times of one layer to those of another for ever.
+            raise FileFormatError(f"timeCodesPerSecond must be positive, got {layer.timeCodesPerSecond:g}", path)
         place = layer.realPath.partition("[")[0]
         if place and not Path(place).resolve().is_relative_to(folder):
-            raise FileFormatError(f"a layer must stay inside the model's folder, got {quoted(place)}", path)
+            remedy = "`usdcat --flatten` makes one file of all"
+            raise FileFormatError(f"a layer must stay inside the model's folder, got {quoted(place)}; {remedy}", path)
 
 
 def _bake_skins(stage: Any, modules: Modules, notes: Notes) -> None:
@@ -206,19 +211,14 @@ class _Reader:
             return None
         own = self._materials.bound_to(prim)
         bound = bound if own is None else own
-        matrix, motion = self._place(prim, world)
+        matrix, motion = self._read((np.eye(4), None), path, lambda: self._place(prim, world))
         node_world = world @ matrix
-        standing: tuple[Standing, ...] = ()
-        lights: tuple[Light, ...] = ()
-        try:
-            standing = self._geometries.shapes(prim, bound, self._materials)
-            lights, glow = self._lights.of(prim, node_world)
-            standing += glow
-        except LimnerError as error:
-            self._notes.slip(f"left out: {without_path(error)}", path, kind="ignored")
+        standing = self._read((), path, lambda: self._geometries.shapes(prim, bound, self._materials))
+        lights, glow = self._read(((), ()), path, lambda: self._lights.of(prim, node_world))
+        standing += glow
         node = Node(
             prim.GetName(), matrix, tuple(one.shape for one in standing if one.node_from_shape is None), lights,
-            self._cameras(prim, node_world),
+            self._read((), path, lambda: self._cameras(prim, node_world)),
             children=tuple(Node("", one.node_from_shape, (one.shape,)) for one in standing if one.node_from_shape is not None)
             + self._below(prim, bound, node_world, depth),
             visible=self._visible_at(prim, self._time),
@@ -227,6 +227,16 @@ class _Reader:
         if motion is not None or shown is not None or weights is not None:
             self._moving.append(_Moving(node, motion, shown, weights))
         return node
+
+    def _read(self, otherwise: Read, path: str, read: Callable[[], Read]) -> Read:
+        """What is read of a prim; nothing of what cannot be, be it that a value is of another kind than its schema says."""
+        try:
+            return read()
+        except LimnerError as error:
+            self._notes.slip(f"left out: {without_path(error)}", path, kind="ignored")
+        except (ArithmeticError, LookupError, TypeError, ValueError) as error:  # what NumPy says of values of a wrong kind or number
+            self._notes.slip(f"left out: a value is not as its schema says: {' '.join(str(error).split())[:120]}", path, kind="ignored")
+        return otherwise
 
     def _below(self, prim: Any, bound: Any, world: Floats, depth: int) -> tuple[Node, ...]:
         """What stands under a prim: its children, those of the prototype that it is an instance of, or what it spreads."""

@@ -19,6 +19,7 @@ from ..errors import FileFormatError
 from ..linear.transform import rotate
 from ..mesh.mesh import Mesh
 from ..mesh.polygons import triangulate
+from ..mesh.shapes.revolution import capsule
 from ..scene.line_set import LineSet
 from ..scene.points import PointCloud
 from ..scene.rig import Morph
@@ -26,6 +27,8 @@ from ..scene.shape import Box, Cone, Cylinder, Geometry, Shape, Sphere
 from .notes import Notes
 from .sources import Sources
 from .triangles import finite_rows
+from .usd_curves import Chords, chords
+from .usd_curves import n_ends as ends_of_pieces
 
 if TYPE_CHECKING:
     from .usd import Modules
@@ -124,6 +127,9 @@ class Geometries:
         if kind in ("Cylinder", "Cone"):
             made = (Cylinder if kind == "Cylinder" else Cone)(number("radius"), number("height"))
             return made, along_axis(str(prim.GetAttribute("axis").Get(time)))
+        if kind == "Capsule":
+            mesh = dataclasses.replace(capsule(number("radius"), number("height")), name=prim.GetName())
+            return mesh, along_axis(str(prim.GetAttribute("axis").Get(time)))
         if kind == "Plane":
             across, along = number("width") / 2.0, number("length") / 2.0
             corners = np.array([[-across, 0, along], [across, 0, along], [across, 0, -along], [-across, 0, -along]])
@@ -152,10 +158,13 @@ class Geometries:
         curves, time = self._usd.BasisCurves(prim), self._time
         positions = self._positions(prim)
         counts = np.array(curves.GetCurveVertexCountsAttr().Get(time) or [len(positions)], dtype=np.int64)
+        counts = counts[(counts > 0) & (np.cumsum(counts) <= len(positions))]
         if str(curves.GetTypeAttr().Get(time)) != "linear":
-            text = "cubic curves are shown as the lines through their control points"
+            basis = str(curves.GetBasisAttr().Get(time))
+            if basis in ("bezier", "bspline", "catmullRom"):
+                return self._cubic_curves(prim, positions, counts, basis)
+            text = f"curves of the basis {basis} are shown as the lines through their control points"
             self._notes.add(text, str(prim.GetPath()), kind="approximated")
-        counts = counts[np.cumsum(counts) <= len(positions)]
         starts = np.cumsum(counts) - counts
         first = np.concatenate([start + np.arange(max(n - 1, 0)) for start, n in zip(starts, counts, strict=True)] or [np.zeros(0)])
         segments = np.stack([first, first + 1], axis=1)
@@ -164,6 +173,30 @@ class Geometries:
         widths = curves.GetWidthsAttr().Get(time)
         colors = self._colors_of_vertices(prim, len(positions))
         return LineSet(positions, segments.astype(np.int32), colors, _radii(widths, len(positions)), name=prim.GetName())
+
+    def _cubic_curves(self, prim: Any, positions: Floats, counts: Indices, basis: str) -> LineSet:
+        """Curves as chords; widths and colours of their points go as they do, those of the ends of their pieces straight."""
+        curves, where = self._usd.BasisCurves(prim), str(prim.GetPath())
+        wrap = str(curves.GetWrapAttr().Get(self._time))
+        if wrap not in ("nonperiodic", "periodic", "pinned"):
+            wrap = "nonperiodic"
+        n_ends = ends_of_pieces(counts, basis, wrap)
+        radii = _radii(curves.GetWidthsAttr().Get(self._time), -1)
+        widths = np.array(curves.GetWidthsAttr().Get(self._time) or [], dtype=np.float32).reshape(-1, 1)
+        colors = self._primvar(prim, "displayColor")
+        given = [values for values in (widths, None if colors is None else colors.values[:, :3]) if values is not None]
+        of_points, of_ends = (
+            [values if len(values) == n and n > 1 else None for values in given] for n in (len(positions), n_ends)
+        )  # fmt: skip
+        made = chords(positions, counts, basis, wrap, _side_by_side(of_points), _side_by_side(of_ends))
+        if made.n_left_out:
+            self._notes.slip(f"{made.n_left_out} curves of too few points are left out", where)
+        if radii is not None:
+            radii = _column(made, of_points, of_ends, 0)
+            radii = float(widths[0, 0]) / 2.0 if radii is None else np.maximum(radii[:, 0] / 2.0, 1e-6 * widths.max()).astype(np.float32)
+        shown = _column(made, of_points, of_ends, 1) if colors is not None else None
+        rgb = None if shown is None else np.clip(shown, 0.0, None).astype(np.float32)
+        return LineSet(made.positions, made.segments, rgb, radii, name=prim.GetName())
 
     def _colors_of_vertices(self, prim: Any, count: int) -> Floats | None:
         given = self._primvar(prim, "displayColor")
@@ -425,6 +458,21 @@ def _radii(widths: Any, count: int) -> float | Floats | None:
     if not len(given) or not (np.isfinite(given) & (given > 0.0)).all():
         return None
     return given / 2.0 if len(given) == count else float(given[0]) / 2.0
+
+
+def _side_by_side(columns: list[Floats | None]) -> Floats | None:
+    """Values that there are one after the other in each row; None: none are."""
+    given = [column for column in columns if column is not None]
+    return np.hstack(given) if given else None
+
+
+def _column(made: Chords, of_points: list[Floats | None], of_ends: list[Floats | None], k: int) -> NDArray[np.float64] | None:
+    """What became of the k-th values along curves; None where they were neither of points nor of ends."""
+    for columns, values in ((of_points, made.of_points), (of_ends, made.of_ends)):
+        if columns[k] is not None and values is not None:
+            first = sum(column.shape[1] for column in columns[:k] if column is not None)
+            return values[:, first : first + columns[k].shape[1]]  # type: ignore[union-attr]
+    return None
 
 
 def _turned(mesh: Mesh) -> Mesh:

@@ -188,7 +188,7 @@ def _corner(scene, instance, triangle: i32x8, b0: np.float32, b1: np.float32, b2
     _, meshes, positions, triangles, attributes, slots, _, _, _, _ = scene
     zero = splat8(ZERO)
     w = Barycentrics(splat8(b0), splat8(b1), splat8(b2), zero, zero, zero, zero)
-    point = surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w, None)
+    point = surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w, meshes, None)
     return with_normal(point, point.n) if faceted else point
 
 

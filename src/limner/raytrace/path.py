@@ -129,7 +129,7 @@ def _direct(
     p, n, has_alpha = point.position, point.n, 0 if only_matte(scene[6]) else rules.has_alpha
     total = from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
     u, v = draw_2d(sampler, dimension + EMITTER_PLACE) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
-    shine = sample_emitter(scene, lighting, p, u, v)
+    shine = sample_emitter(scene, accelerator[5], lighting, p, u, v)
     if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
         value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
         if max_component(value) > ZERO:
@@ -159,7 +159,7 @@ def _lit_share(
                 seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, light.wi, distance, stack)
                 everything = everything + from_light
                 arriving = arriving + from_light * luminance(seen.share)
-    shine = sample_emitter(scene, lighting, point.position, u1, v1)
+    shine = sample_emitter(scene, accelerator[5], lighting, point.position, u1, v1)
     if shine.pdf > ZERO:
         value = luminance(eval_bsdf(bsdf, wo, shine.wi) * shine.radiance) / shine.pdf
         if value > ZERO:

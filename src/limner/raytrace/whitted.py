@@ -116,7 +116,7 @@ def _emitters_radiance(
 ) -> Color:  # fmt: skip
     """Light from one point of all surfaces that shine."""
     u, v = draw_2d(sampler, first + _WHERE_ON_EMITTER)
-    shine = sample_emitter(scene, lighting, point.position, u, v)
+    shine = sample_emitter(scene, accelerator[5], lighting, point.position, u, v)
     if shine.pdf <= ZERO:
         return Color(ZERO, ZERO, ZERO)
     value = eval_bsdf(bsdf, wo, shine.wi)

@@ -57,27 +57,29 @@ def pdf_emitter(lighting, material, cos_theta: np.float32, squared: np.float32) 
 
 
 @outlined
-def _shining_point(scene, emitter, b1: np.float32, b2: np.float32):
+def _shining_point(scene, exact, emitter, b1: np.float32, b2: np.float32):
     """(position, normal, radiance) of a point of an emitter that moves or has a texture."""
     instances, meshes, positions, triangles, attributes, slots, materials, _, textures, texels = scene
     instance = instances[emitter["instance"]]
     geometry = (positions, triangles, attributes, slots)
     w = barycentrics_of_hit(b1, b2)
-    point = surface_at(geometry, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), w, meshes)
+    point = surface_at(geometry, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), w, meshes, exact)
     bsdf = resolve(materials[point.material], instance, point, textures, texels)
-    return point.position, point.n, bsdf.emission * (bsdf.alpha * _growth(scene, instance, emitter))
+    return point.position, point.n, bsdf.emission * (bsdf.alpha * _growth(scene, exact, instance, emitter))
 
 
 @kernel
-def _growth(scene, instance, emitter) -> np.float32:
+def _growth(scene, exact, instance, emitter) -> np.float32:
     """How much larger a triangle that bends is than when the shutter opened: it is drawn as often as then, for all of what it is now."""
-    if instance["key"] <= 0:
-        return ONE
-    _, meshes, positions, triangles, _, _, _, _, _, _ = scene
-    v0, v1, v2 = vertices_at(positions, triangles, instance, meshes[instance["mesh"]], np.int64(emitter["triangle"]), meshes)
-    m = instance["world_from_object"]
-    now = cross(transform_vector(m, v1 - v0), transform_vector(m, v2 - v0))
-    return length(now) / length(cross(_vector(emitter["edge_u"]), _vector(emitter["edge_v"])))
+    if exact is not None:
+        if instance["key"] > 0:
+            _, meshes, positions, triangles, _, _, _, _, _, _ = scene
+            mesh = meshes[instance["mesh"]]
+            v0, v1, v2 = vertices_at(positions, triangles, instance, mesh, np.int64(emitter["triangle"]), meshes, exact)
+            m = instance["world_from_object"]
+            now = cross(transform_vector(m, v1 - v0), transform_vector(m, v2 - v0))
+            return length(now) / length(cross(_vector(emitter["edge_u"]), _vector(emitter["edge_v"])))
+    return ONE
 
 
 @kernel
@@ -86,8 +88,10 @@ def _vector(row) -> Vec3:
 
 
 @kernel
-def sample_emitter(scene, lighting, p: Vec3, u: np.float32, v: np.float32) -> EmitterSample:
+def sample_emitter(scene, exact, lighting, p: Vec3, u: np.float32, v: np.float32) -> EmitterSample:
     """Draw a point of the shining surfaces as seen from p; single-sided ones shine to their front only.
+
+    `exact`: of the accelerator (`accel.walk.exact_tables`).
 
     u chooses the triangle, and what is left of it the point, so that points that are spread well over the unit square are so over a
     surface of many triangles, too.
@@ -105,7 +109,7 @@ def sample_emitter(scene, lighting, p: Vec3, u: np.float32, v: np.float32) -> Em
     n, c = _vector(emitter["normal"]), emitter["radiance"]
     radiance = Color(c[0], c[1], c[2])
     if emitter["plain"] == 0 and not only_matte(scene[6]):
-        position, n, radiance = _shining_point(scene, emitter, b1, b2)
+        position, n, radiance = _shining_point(scene, exact, emitter, b1, b2)
     to_light = position - p
     squared = dot(to_light, to_light)
     if squared <= ZERO:

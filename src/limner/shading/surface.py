@@ -218,18 +218,18 @@ def _between(now: Vec3, later: Vec3, share: np.float32) -> Vec3:
 
 
 @kernel
-def vertices_at(positions, triangles, instance, mesh, triangle: int, keys):
+def vertices_at(positions, triangles, instance, mesh, triangle: int, meshes, exact):
     """The three vertices of a triangle in object space; of a mesh that bends, at the instance's time.
 
-    `keys`: the meshes, among which the next key of a mesh that bends stands behind the one that is past; None, known to the compiler, where
-    nothing bends.
+    Among `meshes` the next key of a mesh that bends stands behind the one that is past. `exact`: None, known to the compiler, in doors that
+    meet nothing that moves (`accel.walk.exact_tables`).
     """
     i0, i1, i2 = _corners(triangles, mesh["triangle"] + triangle)
     start = mesh["position"]
     o0, o1, o2 = _position(positions, start + i0), _position(positions, start + i1), _position(positions, start + i2)
-    if keys is not None:
+    if exact is not None:
         if instance["key"] > 0:
-            start, share = keys[instance["mesh"] + 1]["position"], instance["share"]
+            start, share = meshes[instance["mesh"] + 1]["position"], instance["share"]
             o0 = _between(o0, _position(positions, start + i0), share)
             o1 = _between(o1, _position(positions, start + i1), share)
             o2 = _between(o2, _position(positions, start + i2), share)
@@ -237,33 +237,28 @@ def vertices_at(positions, triangles, instance, mesh, triangle: int, keys):
 
 
 @kernel
-def _normals_at(attributes, instance, mesh, k0: int, k1: int, k2: int, keys):
-    """The normals of the rows k0, k1 and k2, as `vertices_at`."""
-    p = mesh["normal"]
-    n0, n1, n2 = _direction(attributes, p + 3 * k0), _direction(attributes, p + 3 * k1), _direction(attributes, p + 3 * k2)
-    if keys is not None:
+def _normals_at(attributes, instance, mesh, p0: int, p1: int, p2: int, meshes, exact):
+    """The normals at three places of the attributes, as `vertices_at`."""
+    n0, n1, n2 = _direction(attributes, p0), _direction(attributes, p1), _direction(attributes, p2)
+    if exact is not None:
         if instance["key"] > 0:
-            p, share = keys[instance["mesh"] + 1]["normal"], instance["share"]
-            n0 = _between(n0, _direction(attributes, p + 3 * k0), share)
-            n1 = _between(n1, _direction(attributes, p + 3 * k1), share)
-            n2 = _between(n2, _direction(attributes, p + 3 * k2), share)
+            on, share = meshes[instance["mesh"] + 1]["normal"] - mesh["normal"], instance["share"]
+            n0 = _between(n0, _direction(attributes, p0 + on), share)
+            n1 = _between(n1, _direction(attributes, p1 + on), share)
+            n2 = _between(n2, _direction(attributes, p2 + on), share)
     return n0, n1, n2
 
 
 @kernel
-def _tangent_at(attributes, p: int, k0: int, k1: int, k2: int, w: Barycentrics) -> Vec3:
-    return _mix3(_direction(attributes, p + 4 * k0), _direction(attributes, p + 4 * k1), _direction(attributes, p + 4 * k2), w)
-
-
-@kernel
-def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, keys) -> SurfacePoint:
+def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, meshes, exact) -> SurfacePoint:
     """The surface point of an instance's triangle at barycentric coordinates w (FoCG 8.1.2, 10.2.2).
 
-    `scene_geometry` is (positions, triangles, attributes, slots); `triangle` counts from the mesh's first; `keys` as of `vertices_at`.
+    `scene_geometry` is (positions, triangles, attributes, slots); `triangle` counts from the mesh's first; `meshes` and `exact` as of
+    `vertices_at`.
     """
     positions, triangles, attributes, slots = scene_geometry
     i0, i1, i2 = _corners(triangles, mesh["triangle"] + triangle)
-    o0, o1, o2 = vertices_at(positions, triangles, instance, mesh, triangle, keys)
+    o0, o1, o2 = vertices_at(positions, triangles, instance, mesh, triangle, meshes, exact)
     m = instance["world_from_object"]
     position = transform_point(m, _mix3(o0, o1, o2, w))
     greatest = transformed_reach(
@@ -282,16 +277,19 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, k
         k0, k1, k2 = i0, i1, i2
         if mesh["normal_triangle"] >= 0:
             k0, k1, k2 = _corners(triangles, mesh["normal_triangle"] + triangle)
-        n0, n1, n2 = _normals_at(attributes, instance, mesh, k0, k1, k2, keys)
+        p = mesh["normal"]
+        n0, n1, n2 = _normals_at(attributes, instance, mesh, p + 3 * k0, p + 3 * k1, p + 3 * k2, meshes, exact)
         ns = transform_normal(instance, _mix3(n0, n1, n2, w))
         bulge = transform_vector(m, _bulge(_mix3(o0, o1, o2, w), o0, o1, o2, n0, n1, n2, w))
         ns = where(dot(ns, ns) > f32(0.5), ns, n)
         if mesh["tangent"] >= 0:
             p = mesh["tangent"]
-            along = _tangent_at(attributes, p, k0, k1, k2, w)
-            if keys is not None:
+            p0, p1, p2 = p + 4 * k0, p + 4 * k1, p + 4 * k2
+            along = _mix3(_direction(attributes, p0), _direction(attributes, p1), _direction(attributes, p2), w)
+            if exact is not None:
                 if instance["key"] > 0:
-                    later = _tangent_at(attributes, keys[instance["mesh"] + 1]["tangent"], k0, k1, k2, w)
+                    on = meshes[instance["mesh"] + 1]["tangent"] - p
+                    later = _mix3(_direction(attributes, p0 + on), _direction(attributes, p1 + on), _direction(attributes, p2 + on), w)
                     along = _between(along, later, instance["share"])
             tangent = transform_vector(m, along)
             sign = where(at(attributes, p + 4 * k0 + 3) < ZERO, -ONE, ONE)
@@ -334,7 +332,7 @@ def surface_at(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, k
         material = material + at(slots, mesh["slot"] + triangle)
     detail = no_detail(w.b0)
     if instance["detailed"] != 0:
-        detail = _detail_of_triangle(scene_geometry, instance, mesh, triangle, w, keys)
+        detail = _detail_of_triangle(scene_geometry, instance, mesh, triangle, w, meshes, exact)
     return SurfacePoint(position, n, ns, tangent, sign, u, v, u1, v1, color, alpha, footprint, material, bulge, reach, detail)
 
 
@@ -347,7 +345,7 @@ def no_detail(like: np.float32) -> Detail:
 
 
 @outlined
-def _detail_of_triangle(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, keys) -> Detail:
+def _detail_of_triangle(scene_geometry, instance, mesh, triangle: int, w: Barycentrics, meshes, exact) -> Detail:
     """What solid textures and bump maps ask of a point of a triangle.
 
     The gradient of a linear function on the triangle with edges a and b, along which it grows by f and g, is
@@ -355,7 +353,7 @@ def _detail_of_triangle(scene_geometry, instance, mesh, triangle: int, w: Baryce
     """
     positions, triangles, attributes, _ = scene_geometry
     i0, i1, i2 = _corners(triangles, mesh["triangle"] + triangle)
-    o0, o1, o2 = vertices_at(positions, triangles, instance, mesh, triangle, keys)
+    o0, o1, o2 = vertices_at(positions, triangles, instance, mesh, triangle, meshes, exact)
     a, b = o1 - o0, o2 - o0
     n = spread3(cross(a, b), w.b0)
     zero = spread(ZERO, w.b0)
@@ -364,7 +362,8 @@ def _detail_of_triangle(scene_geometry, instance, mesh, triangle: int, w: Baryce
         k0, k1, k2 = i0, i1, i2
         if mesh["normal_triangle"] >= 0:
             k0, k1, k2 = _corners(triangles, mesh["normal_triangle"] + triangle)
-        n0, n1, n2 = _normals_at(attributes, instance, mesh, k0, k1, k2, keys)
+        p = mesh["normal"]
+        n0, n1, n2 = _normals_at(attributes, instance, mesh, p + 3 * k0, p + 3 * k1, p + 3 * k2, meshes, exact)
         mixed = _mix3(n0, n1, n2, w)
         outward = where(dot(mixed, mixed) > ZERO, mixed, n)
     if mesh["uv"] >= 0:

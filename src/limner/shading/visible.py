@@ -58,4 +58,4 @@ def visible_point(scene, camera, instance_id: int, triangle: int, v0, v1, v2, x:
         t = where(t == _INFINITY, -dot(o, d) / dot(d, d), t)
         return analytic_at(instance, ray, t)
     w = barycentrics_at(x, y, v0, v1, v2)
-    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w, None)
+    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], triangle, w, meshes, None)

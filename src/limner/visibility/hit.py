@@ -36,14 +36,6 @@ def _vertex(positions, mesh, row: int) -> Vec3:
 
 
 @kernel
-def _keys(meshes, exact):
-    """Where the keys of meshes that bend are found; None, known to the compiler, for doors that meet nothing that moves."""
-    if exact is None:
-        return None
-    return meshes
-
-
-@kernel
 def first_hit_point(scene, accelerator, camera, raster_from_object, hit, x: np.float32, y: np.float32) -> SurfacePoint:
     """The surface point of a camera ray's hit, from the raster point, by the function that the rasteriser calls."""
     instances, meshes, positions, triangles, _, _, _, _, _, _ = scene
@@ -64,8 +56,8 @@ def hit_point(scene, accelerator, hit, o: Vec3, d: Vec3) -> SurfacePoint:
     instance = instances[hit.instance]
     if hit.triangle < 0:
         return exact_at(instances, hit.instance, accelerator[5], ray_without_view(o, d), hit.t, hit.triangle, hit.u, hit.v)
-    w, keys = barycentrics_of_hit(hit.u, hit.v), _keys(meshes, accelerator[5])
-    return surface_at((positions, triangles, attributes, slots), instance, meshes[instance["mesh"]], hit.triangle, w, keys)
+    w, mesh = barycentrics_of_hit(hit.u, hit.v), meshes[instance["mesh"]]
+    return surface_at((positions, triangles, attributes, slots), instance, mesh, hit.triangle, w, meshes, accelerator[5])
 
 
 @outlined
@@ -91,7 +83,7 @@ def lens_hit_point(scene, accelerator, hit, ray: ViewRay) -> SurfacePoint:
     instance = instances[hit.instance]
     if hit.triangle < 0:
         return exact_at(instances, hit.instance, accelerator[5], ray, hit.t, hit.triangle, hit.u, hit.v)
-    mesh, keys = meshes[instance["mesh"]], _keys(meshes, accelerator[5])
-    v0, v1, v2 = vertices_at(positions, triangles, instance, mesh, hit.triangle, keys)
+    mesh = meshes[instance["mesh"]]
+    v0, v1, v2 = vertices_at(positions, triangles, instance, mesh, hit.triangle, meshes, accelerator[5])
     w = _weights_seen_by(instance, v0, v1, v2, ray, hit)
-    return surface_at((positions, triangles, attributes, slots), instance, mesh, hit.triangle, w, keys)
+    return surface_at((positions, triangles, attributes, slots), instance, mesh, hit.triangle, w, meshes, accelerator[5])

@@ -409,8 +409,9 @@ def Plane "floor" { double width = 4
     double length = 2
     token axis = "Y" }
 def Capsule "pill" {}
+def NurbsPatch "patch" {}
 """
-    with pytest.warns(LimnerWarning, match="Capsule is not supported"):
+    with pytest.warns(LimnerWarning, match="NurbsPatch is not supported"):
         scene = stage(tmp_path, text)
     found = {placed.path.split("/")[1]: (placed.world_from_object, shape.geometry) for placed, shape in scene.shapes()}
     cloud, hair = found["cloud"][1], found["hair"][1]
@@ -424,6 +425,80 @@ def Capsule "pill" {}
     assert isinstance(found["hat"][1], Cone)
     assert np.allclose(found["hat"][0][:3, 1], [0, 0, 1])
     assert np.ptp(found["floor"][1].positions, axis=0).tolist() == [4, 0, 2]  # type: ignore[union-attr]
+    assert np.allclose(np.ptp(found["pill"][1].positions, axis=0), [1, 2, 1], atol=1e-6)  # type: ignore[union-attr]
+    assert np.allclose(found["pill"][0][:3, 1], [0, 0, 1])
+
+
+PIECES = {
+    "bezier": lambda u: ((1 - u) ** 3, 3 * u * (1 - u) ** 2, 3 * u**2 * (1 - u), u**3),
+    "bspline": lambda u: ((1 - u) ** 3 / 6, (3 * u**3 - 6 * u**2 + 4) / 6, (-3 * u**3 + 3 * u**2 + 3 * u + 1) / 6, u**3 / 6),
+    "catmullRom": lambda u: (
+        (-(u**3) + 2 * u**2 - u) / 2, (3 * u**3 - 5 * u**2 + 2) / 2, (-3 * u**3 + 4 * u**2 + u) / 2, (u**3 - u**2) / 2,
+    ),
+}  # fmt: skip
+"""How much each of a piece's four points counts, from the schema's page."""
+
+
+def _curves(wrap: str, basis: str, points: str, counts: str, more: str) -> str:
+    return f"""def BasisCurves "hair" {{ uniform token type = "cubic"
+    uniform token basis = "{basis}"
+    uniform token wrap = "{wrap}"
+    int[] curveVertexCounts = {counts}
+    point3f[] points = {points}
+    {more} }}"""
+
+
+@pytest.mark.parametrize("basis", PIECES)
+def test_cubic_curves(tmp_path: Path, basis: str) -> None:
+    """Points and widths where the basis has them; a curve of too few points is left out."""
+    points = "[(0,0,0), (1,2,0), (2,2,0), (3,0,0), (9,9,9), (8,8,8)]"
+    with pytest.warns(LimnerWarning, match="1 curves of too few points are left out"):
+        scene = stage(tmp_path, _curves("nonperiodic", basis, points, "[4, 2]", "float[] widths = [1, 2, 2, 1, 1, 1]"))
+    hair = scene.shapes()[0][1].geometry
+    assert isinstance(hair, LineSet)
+    assert hair.ends.tolist() == [[k, k + 1] for k in range(len(hair.positions) - 1)]
+    weights = np.array(PIECES[basis](np.linspace(0.0, 1.0, len(hair.positions))))
+    np.testing.assert_allclose(hair.positions, weights.T @ [[0, 0, 0], [1, 2, 0], [2, 2, 0], [3, 0, 0]], atol=1e-6)
+    np.testing.assert_allclose(hair.radii, weights.T @ [0.5, 1.0, 1.0, 0.5], atol=1e-6)
+
+
+@pytest.mark.parametrize("basis", ["bspline", "catmullRom"])
+def test_curves_that_are_pinned_or_closed(tmp_path: Path, basis: str) -> None:
+    """From the first point to the last, in n - 1 pieces, colours of their ends straight between them; or round, without an end."""
+    points = "[(0,0,0), (1,2,0), (2,2,0), (3,0,0)]"
+    colors = "color3f[] primvars:displayColor = [(0,0,0), (1,0,0), (2,0,0), (3,0,0)] (interpolation = \"varying\")"
+    pinned = stage(tmp_path, _curves("pinned", basis, points, "[4]", colors)).shapes()[0][1].geometry
+    assert isinstance(pinned, LineSet)
+    np.testing.assert_allclose(pinned.positions[[0, -1]], [[0, 0, 0], [3, 0, 0]], atol=1e-6)
+    assert pinned.colors is not None
+    np.testing.assert_allclose(pinned.colors[:, 0], np.linspace(0.0, 3.0, len(pinned.positions)), atol=1e-6)
+    closed = stage(tmp_path, _curves("periodic", basis, points, "[4]", "")).shapes()[0][1].geometry
+    assert isinstance(closed, LineSet)
+    assert len(closed.ends) == len(closed.positions)
+    assert closed.ends[-1].tolist() == [len(closed.positions) - 1, 0]
+    # Of four points in a ring the mean of all is the middle of the curve.
+    np.testing.assert_allclose(closed.positions.mean(axis=0), [1.5, 1.0, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize("rate", [0, -1])
+def test_a_clock_that_does_not_run(tmp_path: Path, rate: int) -> None:
+    """A rate at which no time passes is refused, where the library would not come back."""
+    (tmp_path / "below.usda").write_text(
+        '#usda 1.0\n( timeCodesPerSecond = 24 )\ndef Sphere "a" { double3 xformOp:translate.timeSamples = { 0: (0,0,0), 9: (1,0,0) }\n'
+        'uniform token[] xformOpOrder = ["xformOp:translate"] }'
+    )
+    with pytest.raises(FileFormatError, match=f"timeCodesPerSecond must be positive, got {rate}"):
+        stage(tmp_path, "", more=f"timeCodesPerSecond = {rate}\n subLayers = [@./below.usda@]")
+
+
+def test_values_of_another_kind_than_the_schema_says(tmp_path: Path) -> None:
+    """Points that are numbers alone: that mesh is left out, with a word, and the others are read."""
+    bad = SQUARE.replace("point3f[] points", "int[] points").replace("(0,0,0)", "0")
+    start = bad.index("int[] points")
+    bad = bad[:start] + "int[] points = [0, 1, 2, 3, 4]" + bad[bad.index("]", start + 12) + 1 :]
+    with pytest.warns(LimnerWarning, match="a value is not as its schema says"):
+        scene = stage(tmp_path, 'def Mesh "bad" {' + bad + '}\ndef Mesh "good" {' + SQUARE + "}")
+    assert [placed.path for placed, _ in scene.shapes()] == ["world/good"]
 
 
 def test_guides_and_what_is_hidden(tmp_path: Path) -> None:

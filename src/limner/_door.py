@@ -39,7 +39,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from . import _jit
 
-__all__ = ["Array", "Door", "DoorCall", "Scalar", "Signature", "cache_folder", "doors", "warm_up", "witnessed"]
+__all__ = ["Array", "Door", "DoorCall", "Scalar", "Signature", "cache_folder", "doors", "is_witnessed", "warm_up", "witnessed"]
 
 _log = logging.getLogger("limner")
 _PACKAGE = Path(__file__).parent
@@ -85,6 +85,11 @@ def witnessed() -> Iterator[list[DoorCall]]:
         yield _witness.calls
     finally:
         _witness.calls = before
+
+
+def is_witnessed() -> bool:
+    """Whether this thread's calls are written down: where two doors make the same bits, the one whose story is plainer is wanted then."""
+    return _witness.calls is not None
 
 
 _registry: dict[str, Door] = {}

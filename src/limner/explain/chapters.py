@@ -107,7 +107,7 @@ CHAPTERS = (
     Chapter("shading.sample.sample_bsdf", "a direction drawn by how the surface scatters", ("wo", "choice", "u", "w")),
     Chapter("shading.medium.passed", "what the medium lets through", ("inside", "distance"), is_leaf=True),
     Chapter("shading.medium.*", is_hidden=True),
-    Chapter("raytrace.*._balance", "the balance heuristic's weight (MIS)", ("a", "b"), is_leaf=True),
+    Chapter("raytrace.*.*balance", "the balance heuristic's weight (MIS)", ("a", "b"), is_leaf=True),
     Chapter("raytrace.*._chance_weight", "the weight of a light that was met by chance", ("pdf",)),
     Chapter("raytrace.*._push", "a ray that is to be followed", ("o", "d", "throughput"), is_leaf=True),
     Chapter("raytrace.*._direct", "light that comes straight from lights, shining surfaces and the sky"),

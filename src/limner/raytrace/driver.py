@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._door import Array, Door, Scalar, Signature
+from .._door import Array, Door, Scalar, Signature, is_witnessed
 from .._jit import MODE
 from ..accel import bvh
 from ..accel.layouts import ACCELERATOR_ARRAYS, ENDS_SHAPE, STACK_SIZE, Accelerator
@@ -219,8 +219,8 @@ def prepare_paths(stage: Stage, settings: Settings, film: NDArray[np.float32]) -
     rules = _rules(stage, settings)
 
     def bound() -> Callable[..., None]:
-        if stage.is_matte() and MODE == "compiled":
-            # Uncompiled, eight at once are no faster, and a story of a path is one of one path.
+        # Uncompiled, eight at once are no faster, and a story of a path is one of one path.
+        if stage.is_matte() and MODE == "compiled" and not is_witnessed():
             return _TRACE_MATTE.bind(
                 *stage.arguments(layouts.MATTE_MATERIAL), stage.background, rules, *_Scratch(needs_exact=False).walk,
                 *facets_of(stage.tables), stage.lighting.emitters.view(np.float32), np.full(WORDS_SIZE, -1, dtype=np.int32),

@@ -29,10 +29,7 @@ def pixels() -> ModuleType:
 @SLOW_AS_PYTHON
 @pytest.mark.parametrize(
     ("name", "renderer"),
-    [
-        ("layered", "path"), ("textured", "raster"), ("solids", "ray"), ("liquids", "ray"), ("moving", "path"), ("clouds", "path"),
-        ("instances", "raster"),
-    ],
+    [("layered", "path"), ("textured", "raster"), ("solids", "ray"), ("clouds", "path"), ("instances", "raster")],
 )
 def test_a_pixel_told_is_the_pixel(pixels: ModuleType, name: str, renderer: str) -> None:
     """At random near the middle: traced = compiled in every sample, the story ends in the pixel, and that is the picture's."""

@@ -229,7 +229,7 @@ def _without_faint(path: _Path, faint: NDArray[np.bool_]) -> _Path:
 
 def _crowded(found: Thrown, path: _Path) -> NDArray[np.bool_]:
     """Which hidden parts of smooth lines run beside other lines of their shape, (n,)."""
-    if not (path.least > _LEAST).any():
+    if not ((path.least > _LEAST) & (path.hidden_by > 0)).any():
         return np.zeros(len(path.line), dtype=bool)
     begins = ~path.joined.copy()
     begins[1:] |= path.hidden_by[1:] != path.hidden_by[:-1]

@@ -262,7 +262,10 @@ def _where_short(path: _Path, flag: NDArray[np.bool_], least: float, *, ends: bo
 def _chosen(path: _Path, kept: NDArray[np.bool_]) -> _Path:
     joined = path.joined.copy()
     joined[1:] &= kept[:-1]
-    return _Path(*(column[kept] for column in path._replace(joined=joined)))
+    return _Path(
+        path.line[kept], path.span[kept], path.hidden_by[kept], path.chain[kept], joined[kept], path.length[kept], path.least[kept],
+        path.bridged[kept],
+    )  # fmt: skip
 
 
 def _merged(path: _Path) -> _Path:

@@ -151,7 +151,7 @@ def _links(edges: NDArray[np.int32], creased: Flags, through: Flags) -> _Links:
     point = ends[at].astype(np.int64)
     linked = (point[1:] == point[:-1]) & through[point[1:]]
     one, other = at[:-1][linked] >> 1, at[1:][linked] >> 1
-    return _Links(rows, component_labels(len(rows), one, other), one, other, point[1:][linked])
+    return _Links(rows, component_labels(len(rows), one, other).astype(np.int64), one, other, point[1:][linked])
 
 
 def _loose(edges: NDArray[np.int32], creased: Flags, lines_at: Indices, length: Floats, extents: Floats, through: Flags) -> Flags:

@@ -166,7 +166,8 @@ def drawing_of(
     those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn, for as long as it is
     there. A "silhouette" is smooth where triangles are too small to be told from the smooth surface that they stand for, and runs along
     edges elsewhere; a "smooth_silhouette" is smooth everywhere. The grain of what is scanned is not drawn: silhouettes are of the surface
-    without it, and only where something stands out by more than a line is wide. Strokes have the points that they need to be right to a tenth of a pixel.
+    without it, and only where something stands out by more than a line is wide. Strokes have the points that they need to be right to a
+    tenth of a pixel.
 
     **Source**: FoCG 10.3.1.
     """

@@ -26,7 +26,7 @@ Indices = NDArray[np.int64]
 _LEAST = 0.5  # pixels: what is shorter is not seen as a part of its own
 _LEAST_SMOOTH = 2.0  # pixels: for smooth silhouettes, which the mesh that they smooth may hide here and there
 _LEAST_DASH = 4.0  # pixels: of parts of these that are hidden
-_LEAST_SEEN = 4.0  # pixels: of whole chains of these that are seen
+_LEAST_SEEN = 6.0  # pixels: of whole chains of these that are seen
 _SPECK = 0.1  # of all lines of a shape: what is longer is no speck of it
 _GRAIN, _TUFT, _FADING = 4.0, 6.0, 8.0  # pixels: of what does not stand out between parts that do, of these, and of where it fades
 _SAME = 0.1  # pixels that a stroke may stray for having fewer points
@@ -229,7 +229,7 @@ def _without_faint(path: _Path, faint: NDArray[np.bool_]) -> _Path:
 
 def _crowded(found: Thrown, path: _Path) -> NDArray[np.bool_]:
     """Which hidden parts of smooth lines run beside other lines of their shape, (n,)."""
-    if not (path.least > _LEAST).any():
+    if not ((path.least > _LEAST) & (path.hidden_by > 0)).any():
         return np.zeros(len(path.line), dtype=bool)
     begins = ~path.joined.copy()
     begins[1:] |= path.hidden_by[1:] != path.hidden_by[:-1]
@@ -262,7 +262,10 @@ def _where_short(path: _Path, flag: NDArray[np.bool_], least: float, *, ends: bo
 def _chosen(path: _Path, kept: NDArray[np.bool_]) -> _Path:
     joined = path.joined.copy()
     joined[1:] &= kept[:-1]
-    return _Path(*(column[kept] for column in path._replace(joined=joined)))
+    return _Path(
+        path.line[kept], path.span[kept], path.hidden_by[kept], path.chain[kept], joined[kept], path.length[kept], path.least[kept],
+        path.bridged[kept],
+    )  # fmt: skip
 
 
 def _merged(path: _Path) -> _Path:

@@ -39,11 +39,14 @@ _ROUNDS = 8  # in which normals become means of those beside them: what is a few
 _POCKET, _AROUND = 4, 25  # triangles of a spot within one surface that is no part of a design, and of that surface at least
 
 
-def unlike(adjacency: Adjacency, normals: Floats, areas: Floats, creased: Flags, limit: float) -> Flags:
-    """Which edges of some, (k,) bool, between two triangles each, still part normals when noise is averaged away on both sides.
+def unlike(adjacency: Adjacency, normals: Floats, areas: Floats, creased: Flags, doubtful: Flags, limit: float) -> Flags:
+    """Which creases, (k,) bool, between two triangles each, still part normals when noise is averaged away on both sides.
 
-    `normals` (m, 3) are unit, `areas` (m,) how much each counts, and `limit` is the cosine of the angle between what does not mix.
+    `normals` (m, 3) are unit, `areas` (m,) how much each counts, and `limit` is the cosine of the angle between what does not mix. Only
+    what is `doubtful`, (k,) bool, is looked at; other creases stay.
     """
+    if not doubtful.any():
+        return creased
     pairs = adjacency.edge_counts == 2
     start = adjacency.edge_start[:-1]
     touched = np.zeros(len(normals), dtype=bool)
@@ -52,8 +55,8 @@ def unlike(adjacency: Adjacency, normals: Floats, areas: Floats, creased: Flags,
     corner = adjacency.triangles.reshape(-1)
     alike = np.where(corner[one] != corner[other], 1.0, -1.0)
     one, other = one // 3, other // 3
-    # Only what lies near creases can change them.
-    rows = np.flatnonzero(creased)
+    # Only what lies near them can change them.
+    rows = np.flatnonzero(doubtful)
     touched[one[rows]] = touched[other[rows]] = True
     for _ in range(_ROUNDS):
         rows = np.flatnonzero(pairs & (touched[one] | touched[other]))
@@ -74,7 +77,7 @@ def unlike(adjacency: Adjacency, normals: Floats, areas: Floats, creased: Flags,
         # What was no crease does not become one, and what agrees once goes on to mix.
         shut &= (mean[s] * mean[t]).sum(axis=1) * sign < limit
     made = creased.copy()
-    made[rows] = shut
+    made[rows] = shut | (creased[rows] & ~doubtful[rows])
     return made
 
 
@@ -148,7 +151,7 @@ def _links(edges: NDArray[np.int32], creased: Flags, through: Flags) -> _Links:
     point = ends[at].astype(np.int64)
     linked = (point[1:] == point[:-1]) & through[point[1:]]
     one, other = at[:-1][linked] >> 1, at[1:][linked] >> 1
-    return _Links(rows, component_labels(len(rows), one, other), one, other, point[1:][linked])
+    return _Links(rows, component_labels(len(rows), one, other).astype(np.int64), one, other, point[1:][linked])
 
 
 def _loose(edges: NDArray[np.int32], creased: Flags, lines_at: Indices, length: Floats, extents: Floats, through: Flags) -> Flags:

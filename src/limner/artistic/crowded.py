@@ -49,12 +49,12 @@ def beside_others(ends: Floats, hidden: Flags, instance: Indices, run: Indices, 
     way = ends[:, 1] - ends[:, 0]
     at = ends[part, 0] + share[:, None] * way[part]
     way = way / np.maximum(length, 1e-300)[:, None]
-    near = hidden[part] & _near(at, way[part], rank[run[part]], instance[part])
+    near = _near(at, way[part], rank[run[part]], instance[part], hidden[part])
     return np.asarray(np.bincount(part, near, len(length)) > 0.5 * count)
 
 
-def _near(at: Floats, way: Floats, rank: Indices, instance: Indices) -> Flags:
-    """Which samples of lines, (n,), are near to one of a lesser rank that goes their way."""
+def _near(at: Floats, way: Floats, rank: Indices, instance: Indices, asked: Flags) -> Flags:
+    """Which samples of lines, (n,), of those asked for, are near to one of a lesser rank that goes their way."""
     reach = int(np.ceil(_FREE))
     cell = np.floor(at).astype(np.int64)
     cell -= cell.min(axis=0) - reach
@@ -64,12 +64,12 @@ def _near(at: Floats, way: Floats, rank: Indices, instance: Indices) -> Flags:
     first = np.full(width * height, -1, dtype=np.int64)
     order = np.argsort(-rank, kind="stable")
     first[place[order]] = order
-    made = np.zeros(len(at), dtype=bool)
+    made, rows = np.zeros(len(at), dtype=bool), np.flatnonzero(asked)
     for down in range(-reach, reach + 1):
         for across in range(-reach, reach + 1):
-            other = first[place + down * width + across]
-            row = np.flatnonzero((other >= 0) & ~made)
-            other = other[row]
+            row = rows[~made[rows]]
+            other = first[place[row] + down * width + across]
+            row, other = row[other >= 0], other[other >= 0]
             apart = at[other] - at[row]
             made[row] = (
                 (rank[other] < rank[row]) & (instance[other] == instance[row])

@@ -161,10 +161,15 @@ def _creased(surfaces: Surfaces, faces: Faces, beside: _Beside, limit: float) ->
     paired = (count == 2) & (cosine < limit)
     exact = paired & surfaces.exact[one // 3]
     paired[exact] = _bent(surfaces, faces.adjacency, one[exact], other[exact], limit)
-    rough = paired & ~surfaces.exact[one // 3]
-    paired[rough] = unlike(faces.adjacency, faces.normals, _areas(surfaces), rough, limit)[rough]
+    cosine = np.where(count == 2, cosine, 1.0)
+    meshed = paired & ~surfaces.exact[one // 3]
+    doubtful = meshed & (_turns_beside(faces, beside, cosine, paired | (count != 2), UNEVEN) > 0.5 * UNEVEN)
+    for _ in range(2):
+        near = doubtful[faces.adjacency.triangle_edges].any(axis=1)
+        doubtful |= meshed & (near[one // 3] | near[other // 3])
+    paired[meshed] = unlike(faces.adjacency, faces.normals, _areas(surfaces), meshed, doubtful, limit)[meshed]
     extents = _extents(surfaces)[surfaces.instance[one // 3]]
-    surroundings = _turns_beside(faces, beside, np.where(count == 2, cosine, 1.0), paired | (count != 2))
+    surroundings = _turns_beside(faces, beside, cosine, paired | (count != 2))
     return lasting(surfaces.points, faces.adjacency.edges, paired | (count > 2), count == 1, extents, surroundings), surroundings
 
 
@@ -178,14 +183,16 @@ def _bent(surfaces: Surfaces, adjacency: Adjacency, one: NDArray[np.int32], othe
     return np.asarray((first < limit) | (second < limit))
 
 
-def _turns_beside(faces: Faces, beside: _Beside, cosine: Floats, lines: Flags) -> Floats:
-    """By how much the surface turns, on the mean, at the other edges of the triangles beside each edge, but for those that are lines."""
+def _turns_beside(faces: Faces, beside: _Beside, cosine: Floats, lines: Flags, alone: float = 0.0) -> Floats:
+    """By how much the surface turns, on the mean, at the other edges of the triangles beside each edge, but for those that are lines;
+    `alone` where all are."""
     one, other, _, _ = beside
-    turn = np.where(lines, 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
+    turn = np.zeros(len(cosine))
+    turn[~lines] = np.arccos(np.clip(cosine[~lines], -1.0, 1.0))
     edges = faces.adjacency.triangle_edges
     turns = np.stack([turn[edges].sum(axis=1), (~lines)[edges].sum(axis=1)])
     total, count = turns[:, one // 3] + turns[:, other // 3]
-    return np.asarray(total / np.maximum(count, 1.0))
+    return np.asarray(np.where(count > 0.0, total / np.maximum(count, 1.0), alone))
 
 
 def _areas(surfaces: Surfaces) -> Floats:

@@ -147,7 +147,7 @@ def drawing_of(
     kinds : sequence of LineKind
         An edge that fits more than one is a boundary before it is a silhouette, then a crease, a change of material, a seam.
     crease_degrees : float from 0 to 180
-        An edge is a crease where the surface turns by more.
+        An edge is a crease where the surface turns by more, and does not because of its grain; at 0 every edge is.
     hidden : bool
         Whether lines that something hides are kept.
     on_progress : callable, optional
@@ -165,7 +165,9 @@ def drawing_of(
     Exact shapes are drawn by the triangles that stand for them, a tenth of a pixel from their surface; infinite planes have no lines but
     those in which other surfaces meet them. Where one line is seen exactly behind another, the nearer one is drawn, for as long as it is
     there. A "silhouette" is smooth where triangles are too small to be told from the smooth surface that they stand for, and runs along
-    edges elsewhere; a "smooth_silhouette" is smooth everywhere. Strokes have the points that they need to be right to a tenth of a pixel.
+    edges elsewhere; a "smooth_silhouette" is smooth everywhere. The grain of what is scanned is not drawn: silhouettes are of the surface
+    without it, and only where something stands out by more than a line is wide. Strokes have the points that they need to be right to a
+    tenth of a pixel.
 
     **Source**: FoCG 10.3.1.
     """

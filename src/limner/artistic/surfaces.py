@@ -166,7 +166,7 @@ def corner_normals(surfaces: Surfaces, adjacency: Adjacency, sharp: NDArray[np.b
             groups = smooth_groups(adjacency, sharp) if groups is None else groups
             _, index, local = np.unique(groups[rows], return_index=True, return_inverse=True)
             local = local.reshape(-1, 3)
-            made[rows] = _unit(vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local))[local]
+            made[rows] = _unit(np.asarray(vertex_normals(surfaces.points[triangles.reshape(-1)[index]], local), dtype=np.float64))[local]
             continue
         corners = (mesh.triangles if mesh.normal_triangles is None else mesh.normal_triangles)[kept]
         if np.linalg.det(matrix[:3, :3]) < 0.0:

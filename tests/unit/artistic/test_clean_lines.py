@@ -73,6 +73,7 @@ def test_a_fine_ball_is_one_smooth_ring() -> None:
     assert np.abs(np.hypot(*(line.picture - (WIDTH / 2, HEIGHT / 2)).T) - radius).max() < 0.17
 
 
+@SLOW_AS_PYTHON
 def test_neighbouring_views_have_nearly_the_same_lines() -> None:
     """Ten views of a dented ball, a degree apart: what is seen of its silhouette grows or shrinks by little from one to the next."""
     ball, lengths = rough_ball(0.004, seed=3, bands=24), []

@@ -100,8 +100,10 @@ def _gather(numbers, places, column: int, origins, directions, t_max, first: int
         _put_three(numbers, ORIGIN + column, x, y, z)
         _put_three(numbers, DIRECTION + column, dx, dy, dz)
         if _are_near(Vec3(x, y, z), Vec3(dx, dy, dz), frame):
-            for i in range(8):
-                numbers[HIT_T + column + i] = f32(t_max[first + i if many else 0])
+            store8(numbers, HIT_T + column, splat8(f32(t_max[0])))
+            if many:
+                for i in range(8):
+                    numbers[HIT_T + column + i] = f32(t_max[first + i])
             return True
     for i in range(8):
         k, ray = min(first + i, n - 1), column + i

@@ -196,7 +196,8 @@ def _of_nodes(document: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield f"/cameras/{k}", f"must have one of perspective and orthographic, has {len(kinds)}; all but its type's is ignored"
         for kind in kinds:
             lens = camera[kind] if isinstance(camera[kind], dict) else {}
-            near, far = lens.get("znear"), lens.get("zfar")
+            near: Any = lens.get("znear")
+            far: Any = lens.get("zfar")
             if _is_number(near) and _is_number(far) and far <= near:
                 yield f"/cameras/{k}/{kind}", "its far plane is not beyond its near one; where it is looked through, it is left out"
 
@@ -241,7 +242,7 @@ def _of_storage(document: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for k, view in views.items():
         start, length, stride = view.get("byteOffset", 0), view.get("byteLength"), view.get("byteStride")
         whole = _named(buffers, view, "buffer").get("byteLength")
-        if all(isinstance(number, int) for number in (start, length, whole)) and start + length > whole:  # type: ignore[operator]
+        if all(isinstance(number, int) for number in (start, length, whole)) and start + length > whole:
             yield f"/bufferViews/{k}", f"reaches beyond the {whole} bytes of its buffer; what reads there is left out"
         if isinstance(stride, int) and stride % 4:
             yield f"/bufferViews/{k}/byteStride", f"must be a multiple of 4, got {stride}; it is read as it stands, the rule is ignored"
@@ -262,7 +263,8 @@ def _of_storage(document: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def _of_accessor(where: str, accessor: Mapping[str, Any], views: Mapping[int, Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
     size, numbers = _SIZES.get(str(accessor.get("componentType"))), _NUMBERS.get(str(accessor.get("type")))
     view = _named(views, accessor, "bufferView")
-    offset, stride, count, start = accessor.get("byteOffset", 0), view.get("byteStride"), accessor.get("count"), view.get("byteOffset", 0)
+    count: Any = accessor.get("count")
+    offset, stride, start = accessor.get("byteOffset", 0), view.get("byteStride"), view.get("byteOffset", 0)
     sparse = accessor.get("sparse")
     if isinstance(sparse, dict) and isinstance(count, int) and isinstance(sparse.get("count"), int) and sparse["count"] > count:
         yield f"{where}/sparse/count", f"replaces {sparse['count']} of {count} elements; what reads it is left out"

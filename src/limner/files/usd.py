@@ -36,7 +36,7 @@ from ..scene.track import Track
 from .limits import DEFAULT, Limits
 from .notes import Notes, quoted, without_path
 from .sources import Sources
-from .usd_light import Lights
+from .usd_light import Found, Lights
 from .usd_material import Materials
 from .usd_mesh import Geometries, Standing
 
@@ -211,14 +211,18 @@ class _Reader:
             return None
         own = self._materials.bound_to(prim)
         bound = bound if own is None else own
-        matrix, motion = self._read((np.eye(4), None), path, lambda: self._place(prim, world))
+        resting: tuple[Floats, KeyedMotion | None] = np.eye(4), None
+        matrix, motion = self._read(resting, path, lambda: self._place(prim, world))
         node_world = world @ matrix
-        standing = self._read((), path, lambda: self._geometries.shapes(prim, bound, self._materials))
-        lights, glow = self._read(((), ()), path, lambda: self._lights.of(prim, node_world))
+        nothing: tuple[Standing, ...] = ()
+        dark: Found = (), ()
+        unseen: tuple[Camera, ...] = ()
+        standing = self._read(nothing, path, lambda: self._geometries.shapes(prim, bound, self._materials))
+        lights, glow = self._read(dark, path, lambda: self._lights.of(prim, node_world))
         standing += glow
         node = Node(
             prim.GetName(), matrix, tuple(one.shape for one in standing if one.node_from_shape is None), lights,
-            self._read((), path, lambda: self._cameras(prim, node_world)),
+            self._read(unseen, path, lambda: self._cameras(prim, node_world)),
             children=tuple(Node("", one.node_from_shape, (one.shape,)) for one in standing if one.node_from_shape is not None)
             + self._below(prim, bound, node_world, depth),
             visible=self._visible_at(prim, self._time),

@@ -29,7 +29,7 @@ from .usd_mesh import Standing, along_axis
 if TYPE_CHECKING:
     from .usd import Modules
 
-__all__ = ["Lights"]
+__all__ = ["Found", "Lights"]
 
 _UPRIGHT = 1e-3
 _MOST_STOPS = 100.0

@@ -191,9 +191,9 @@ class Geometries:
         made = chords(positions, counts, basis, wrap, _side_by_side(of_points), _side_by_side(of_ends))
         if made.n_left_out:
             self._notes.slip(f"{made.n_left_out} curves of too few points are left out", where)
-        if radii is not None:
-            radii = _column(made, of_points, of_ends, 0)
-            radii = float(widths[0, 0]) / 2.0 if radii is None else np.maximum(radii[:, 0] / 2.0, 1e-6 * widths.max()).astype(np.float32)
+        along = None if radii is None else _column(made, of_points, of_ends, 0)
+        if along is not None:
+            radii = np.maximum(along[:, 0] / 2.0, 1e-6 * widths.max()).astype(np.float32)
         shown = _column(made, of_points, of_ends, 1) if colors is not None else None
         rgb = None if shown is None else np.clip(shown, 0.0, None).astype(np.float32)
         return LineSet(made.positions, made.segments, rgb, radii, name=prim.GetName())
@@ -469,9 +469,11 @@ def _side_by_side(columns: list[Floats | None]) -> Floats | None:
 def _column(made: Chords, of_points: list[Floats | None], of_ends: list[Floats | None], k: int) -> NDArray[np.float64] | None:
     """What became of the k-th values along curves; None where they were neither of points nor of ends."""
     for columns, values in ((of_points, made.of_points), (of_ends, made.of_ends)):
-        if columns[k] is not None and values is not None:
-            first = sum(column.shape[1] for column in columns[:k] if column is not None)
-            return values[:, first : first + columns[k].shape[1]]  # type: ignore[union-attr]
+        column = columns[k]
+        if column is not None and values is not None:
+            first = sum(before.shape[1] for before in columns[:k] if before is not None)
+            found: NDArray[np.float64] = values[:, first : first + column.shape[1]]
+            return found
     return None
 
 

@@ -76,7 +76,7 @@ VALUES = st.recursive(
 )  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
 @given(document=st.dictionaries(st.sampled_from(["nodes", "skins", "accessors", "buffers", "bufferViews", "images", "extensions"]), VALUES))
 def test_whatever_a_document_holds_is_no_crash(document: dict[str, Any]) -> None:
     """Values of every type in every place."""

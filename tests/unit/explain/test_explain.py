@@ -110,7 +110,7 @@ def test_path_tells_of_vertices_throughput_and_weights() -> None:
     told = explain(_glass(), 11, 2, width=24, height=18, renderer="path", samples=8, sample="all")
     assert told.told == tuple(range(8))
     assert told.is_exact
-    balance = _steps(told, "_balance")
+    balance = _steps(told, "balance")
     assert balance
     for step in balance:
         a, b = (np.float32(step.terms[name]) for name in ("a", "b"))

@@ -81,6 +81,7 @@ from .path import (
     ROULETTE_PLACE,
     balance,
     chance_weight,
+    emitters_asked,
     from_lights,
     is_asked,
     sky_asked,
@@ -268,6 +269,8 @@ def _follow(
         sampler = _sampler(rules, words, k)
         first, dimension = FIRST_LIGHT - depth * lights.shape[0], 1 + depth * PER_SURFACE
         lamps = from_lights(scene, accelerator, media, 0, rules, sampler, first, point, bsdf, False, wo, stack)
+        if lighting[0][0]["light_tree"] != 0:
+            lamps = lamps + emitters_asked(scene, accelerator, lighting, media, 0, rules, sampler, dimension, point, bsdf, wo, stack)
         _write(state, LAMPS, k, lamps.r, lamps.g, lamps.b)
         sky = Color(ZERO, ZERO, ZERO)
         if is_asked(lighting, rules):
@@ -364,7 +367,7 @@ def _scatter(accelerator, instances, lighting, emitters, rules: Rules, has_other
     direct = _load_color(state, PAINT) * ZERO
     if has_others:
         direct = _load_color(state, LAMPS)
-    if emitters.shape[0] > 0:
+    if emitters.shape[0] > 0 and lighting[0][0]["light_tree"] == 0:
         power = lighting[0][0]["emitted_power"]
         direct = _from_emitters(accelerator, instances, emitters, power, rules, words, state, direct, stack)
     if has_others:
@@ -423,7 +426,7 @@ def trace_matte_tile(
     accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     lighting = (header, sky, sky_cumulative, emitters, blurred)
     camera, rules = camera_table[0], rules_of(rule_numbers)
-    has_others = lights.shape[0] > 0 or is_asked(lighting, rules)
+    has_others = lights.shape[0] > 0 or header[0]["light_tree"] != 0 or is_asked(lighting, rules)
     samples = last_sample - first_sample
     paths = columns * rows * samples
     i, j, sample, end_column = first_column, first_row, first_sample, first_column + columns

@@ -47,7 +47,9 @@ from .lens import lens_ray
 from .rules import Rules
 from .start import LENS
 
-__all__ = ["LEAST_SHARE", "MAX_SURFACES", "balance", "chance_weight", "from_lights", "is_asked", "path_radiance", "sky_asked"]
+__all__ = [
+    "LEAST_SHARE", "MAX_SURFACES", "balance", "chance_weight", "emitters_asked", "from_lights", "is_asked", "path_radiance", "sky_asked",
+]  # fmt: skip
 
 f32, i64 = np.float32, np.int64
 _INFINITY = f32(np.inf)
@@ -103,6 +105,24 @@ def is_asked(lighting, rules: Rules) -> bool:
 
 
 @kernel
+def emitters_asked(
+    scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, dimension: int, point: SurfacePoint, bsdf, wo: Vec3,
+    stack,
+) -> Color:  # fmt: skip
+    """Light that comes straight from shining surfaces, one sample of all."""
+    u, v = draw_2d(sampler, dimension + EMITTER_PLACE)
+    shine = sample_emitter(scene, accelerator[5], lighting, point.position, u, v)
+    if shine.pdf > ZERO and dot(point.n, shine.wi) > ZERO:
+        value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
+        if max_component(value) > ZERO:
+            has_alpha = 0 if only_matte(scene[6]) else rules.has_alpha
+            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, shine.wi, shine.distance, stack)
+            weight = ONE if seen.through_glass else balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
+            return value * (weight / shine.pdf) * seen.share
+    return Color(ZERO, ZERO, ZERO)
+
+
+@kernel
 def sky_asked(
     scene, accelerator, lighting, media, inside: int, rules: Rules, sampler: Sampler, dimension: int, point: SurfacePoint, bsdf, wo: Vec3,
     stack,
@@ -126,16 +146,9 @@ def _direct(
     wo: Vec3, stack,
 ) -> Color:  # fmt: skip
     """Light that comes straight from lights, shining surfaces and the sky, one sample of each."""
-    p, n, has_alpha = point.position, point.n, 0 if only_matte(scene[6]) else rules.has_alpha
     total = from_lights(scene, accelerator, media, inside, rules, sampler, first, point, bsdf, False, wo, stack)
-    u, v = draw_2d(sampler, dimension + EMITTER_PLACE) if lighting[3].shape[0] > 0 else (ZERO, ZERO)
-    shine = sample_emitter(scene, accelerator[5], lighting, p, u, v)
-    if shine.pdf > ZERO and dot(n, shine.wi) > ZERO:
-        value = eval_bsdf(bsdf, wo, shine.wi) * shine.radiance
-        if max_component(value) > ZERO:
-            seen = transmittance(scene, accelerator, media, inside, rules.tinted, has_alpha, point, shine.wi, shine.distance, stack)
-            weight = ONE if seen.through_glass else balance(shine.pdf, pdf_bsdf(bsdf, wo, shine.wi))
-            total = total + value * (weight / shine.pdf) * seen.share
+    if lighting[3].shape[0] > 0:
+        total = total + emitters_asked(scene, accelerator, lighting, media, inside, rules, sampler, dimension, point, bsdf, wo, stack)
     if is_asked(lighting, rules):
         total = total + sky_asked(scene, accelerator, lighting, media, inside, rules, sampler, dimension, point, bsdf, wo, stack)
     return total
@@ -193,7 +206,7 @@ def chance_weight(scene, lighting, hit, material, point: SurfacePoint, wo: Vec3,
     if hit.triangle < 0:
         return ONE
     to_point = point.position - last
-    return balance(pdf, pdf_emitter(lighting, material, cos_theta, dot(to_point, to_point)))
+    return balance(pdf, pdf_emitter(lighting, material, hit, last, cos_theta, dot(to_point, to_point)))
 
 
 @kernel

@@ -251,7 +251,8 @@ def _shown(scene, lighting, rules: Rules, hit, material, point: SurfacePoint, bs
         return bsdf.emission
     if pdf > ZERO and rules.emitters != 0 and hit.triangle >= 0:
         to_point = point.position - o
-        return bsdf.emission * _balance(pdf, pdf_emitter(lighting, material, dot(point.n, wo), dot(to_point, to_point)))
+        density = pdf_emitter(lighting, material, hit, o, dot(point.n, wo), dot(to_point, to_point))
+        return bsdf.emission * _balance(pdf, density)
     return bsdf.emission
 
 

@@ -1,8 +1,8 @@
-"""Surfaces that shine: a point on one of them, drawn in proportion to its power, and the density of having drawn it.
+"""Surfaces that shine: a point on one of them, drawn in proportion to what it may be worth, and the density of having drawn it.
 
-Triangles are drawn by emission times area, points uniformly on them, so the density per area is ``weight / total`` wherever the weight of
-a material is known: no look-up is needed for a surface that a ray met by chance. Seen from p, an area dA at distance r fills the solid
-angle cos(theta) dA / r^2 (FoCG 18.2).
+Points are drawn uniformly on triangles. A few triangles are drawn by emission times area, so that the density per area is
+``weight / total`` wherever the weight of a material is known: no look-up is needed for a surface that a ray met by chance. Many are
+drawn by a tree (`limner.shading.light_tree`). Seen from p, an area dA at distance r fills the solid angle cos(theta) dA / r^2 (FoCG 18.2).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ..kernel.transform import transform_vector
 from ..kernel.vec import ONE, ZERO, Color, Vec3, cross, dot, length
 from ..kernel.warp import warp_triangle
 from .bsdf import resolve
+from .light_tree import draw_leaf, row_of, share_of
 from .matte_row import only_matte
 from .surface import barycentrics_of_hit, surface_at, vertices_at
 
@@ -48,11 +49,14 @@ def _find(emitters, u: np.float32) -> int:
 
 
 @kernel
-def pdf_emitter(lighting, material, cos_theta: np.float32, squared: np.float32) -> np.float32:
-    """The density per steradian with which `sample_emitter` draws a point of this material at a squared distance."""
-    total = lighting[0][0]["emitted_power"]
+def pdf_emitter(lighting, material, hit, p: Vec3, cos_theta: np.float32, squared: np.float32) -> np.float32:
+    """The density per steradian with which `sample_emitter` draws, as seen from p, the point of a hit at a squared distance."""
+    total, emitters = lighting[0][0]["emitted_power"], lighting[3]
     if total <= ZERO or cos_theta <= ZERO:
         return ZERO
+    if lighting[0][0]["light_tree"] != 0:
+        row = row_of(emitters, hit.instance, hit.triangle)
+        return share_of(emitters, row, p) / emitters[row]["area"] * squared / cos_theta if row >= 0 else ZERO
     return material["emission_weight"] / total * squared / cos_theta
 
 
@@ -100,11 +104,20 @@ def sample_emitter(scene, exact, lighting, p: Vec3, u: np.float32, v: np.float32
     nothing = EmitterSample(Vec3(ZERO, ONE, ZERO), ZERO, Color(ZERO, ZERO, ZERO), ZERO)
     if emitters.shape[0] == 0:
         return nothing
-    k = _find(emitters, u)
+    if lighting[0][0]["light_tree"] != 0:
+        drawn = draw_leaf(emitters, p, u)
+        k, share, rest = drawn.row, drawn.share, drawn.rest
+        if share <= ZERO:
+            return nothing
+        per_area = share / emitters[k]["area"]
+    else:
+        k = _find(emitters, u)
+        before = emitters[k - 1]["cumulative"] if k > 0 else ZERO
+        share = emitters[k]["cumulative"] - before
+        rest = min((u - before) / share, ONE) if share > ZERO else ZERO
+        per_area = emitters[k]["weight"] / lighting[0][0]["emitted_power"]
     emitter = emitters[k]
-    before = emitters[k - 1]["cumulative"] if k > 0 else ZERO
-    share = emitter["cumulative"] - before
-    b1, b2 = warp_triangle(min((u - before) / share, ONE) if share > ZERO else ZERO, v)
+    b1, b2 = warp_triangle(rest, v)
     position = _vector(emitter["corner"]) + _vector(emitter["edge_u"]) * b1 + _vector(emitter["edge_v"]) * b2
     n, c = _vector(emitter["normal"]), emitter["radiance"]
     radiance = Color(c[0], c[1], c[2])
@@ -121,4 +134,4 @@ def sample_emitter(scene, exact, lighting, p: Vec3, u: np.float32, v: np.float32
         cos_theta = abs(cos_theta)
     if cos_theta <= ZERO:
         return nothing
-    return EmitterSample(wi, distance, radiance, emitter["weight"] / lighting[0][0]["emitted_power"] * squared / cos_theta)
+    return EmitterSample(wi, distance, radiance, per_area * squared / cos_theta)

@@ -297,9 +297,13 @@ LIGHTING = np.dtype(
         ("sky_sin", f32),
         ("irradiance", f32, (9, 3)),  # of the sky, as spherical harmonics of the normal
         ("emitted_power", f32),  # sum of weight times area over the emitters
+        ("light_tree", i32),  # 1: emitters are drawn by the tree in their rows; 0: by their power
     ],
     align=True,
 )
+
+NODE_NUMBERS = 9
+"""What a node of the tree of emitters is: `limner.tables.light_tree`."""
 
 EMITTER = np.dtype(
     [
@@ -314,6 +318,11 @@ EMITTER = np.dtype(
         ("weight", f32),  # of its material
         ("double_sided", i32),
         ("plain", i32),  # 1: it stands still and shines alike everywhere, so that this row says all
+        ("area", f32),
+        ("nodes", f32, (2, NODE_NUMBERS)),  # of the tree of n emitters: of row k, node k and leaf n + k
+        ("key_instance", i32),  # of all emitters by instance and triangle, the one that comes k-th: whose it is, and its row
+        ("key_triangle", i32),
+        ("key_row", i32),
     ],
     align=True,
 )

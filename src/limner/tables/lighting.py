@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from . import layouts
 from .layouts import Lighting, SceneTables
+from .light_tree import is_scattered, leaf_order, tree_nodes
 
 __all__ = ["irradiance_harmonics", "lighting", "sky_cumulative", "sky_directions"]
 
+_FEW = 8  # triangles: they are drawn by their power
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -50,8 +52,8 @@ def lighting(
         row["sky_even"] = bool((pixels == pixels[:1, :1]).all())
         row["irradiance"] = irradiance_harmonics(pixels, angle) * intensity
         cumulative = sky_cumulative(pixels)
-    emitters, power = _emitters(tables, moving)
-    row["emitted_power"] = power
+    emitters, power, has_tree = _emitters(tables, moving)
+    row["emitted_power"], row["light_tree"] = power, has_tree
     return Lighting(header, pixels, cumulative, emitters, np.zeros((0, 0, 3), dtype=np.float32) if blurred is None else blurred)
 
 
@@ -126,8 +128,8 @@ class _Shining(NamedTuple):
     power: NDArray[np.float64]
 
 
-def _emitters(tables: SceneTables, moving: NDArray[np.int32] | None) -> tuple[NDArray[np.void], float]:
-    """The triangles that shine, with their shares of the power: weight of their material times area."""
+def _emitters(tables: SceneTables, moving: NDArray[np.int32] | None) -> tuple[NDArray[np.void], float, bool]:
+    """The triangles that shine, with their shares of the power: weight of their material times area; all power; whether there is a tree."""
     found = [
         shining
         for k, instance in enumerate(tables.instances)
@@ -135,24 +137,34 @@ def _emitters(tables: SceneTables, moving: NDArray[np.int32] | None) -> tuple[ND
     ] if (tables.materials["emission_weight"] > 0.0).any() else []  # fmt: skip
     power = np.concatenate([shining.power for shining in found]) if found else np.zeros(0)
     emitters = np.zeros(len(power), dtype=layouts.EMITTER)
+    total = float(power.sum())
     if not len(power):
-        return emitters, 0.0
+        return emitters, 0.0, False
     rows = np.concatenate([np.full(len(shining.power), shining.instance) for shining in found])
     materials = tables.materials[np.concatenate([shining.materials for shining in found])]
-    corners = np.concatenate([shining.corners for shining in found])
+    corners, triangles = np.concatenate([shining.corners for shining in found]), np.concatenate([shining.triangles for shining in found])
+    emitters["key_instance"], emitters["key_triangle"], emitters["key_row"] = rows, triangles, np.arange(len(power))
+    has_tree = len(power) > _FEW and is_scattered(corners)
+    if has_tree:
+        order = leaf_order(corners.mean(axis=1))
+        emitters["key_row"][order] = np.arange(len(power))
+        power, rows, materials, corners, triangles = power[order], rows[order], materials[order], corners[order], triangles[order]
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(edge_u, edge_v) * np.where(tables.instances["flipped"][rows] != 0, -1.0, 1.0)[:, None]
-    emitters["instance"], emitters["triangle"] = rows, np.concatenate([shining.triangles for shining in found])
+    emitters["instance"], emitters["triangle"] = rows, triangles
     emitters["corner"], emitters["edge_u"], emitters["edge_v"] = corners[:, 0], edge_u, edge_v
-    emitters["normal"] = across / np.linalg.norm(across, axis=1, keepdims=True)
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    emitters["normal"], emitters["area"] = across / size, 0.5 * size[:, 0]
     emitters["radiance"], emitters["double_sided"] = materials["emission"], materials["double_sided"]
     emitters["weight"] = materials["emission_weight"]
     is_even = (materials["emission_texture"] < 0) & (materials["alpha_mode"] == layouts.OPAQUE) & (materials["unlit"] == 0)
     emitters["plain"] = is_even & (materials["kind"] != layouts.COOL_TO_WARM) & ~np.isin(rows, [] if moving is None else moving)
-    total = float(power.sum())
+    if has_tree:
+        nodes = tree_nodes(corners, across / size, power, materials["double_sided"] != 0)
+        emitters["nodes"] = np.stack([nodes[: len(power)], nodes[len(power) :]], axis=1)
     emitters["cumulative"] = np.cumsum(power) / total
     emitters["cumulative"][-1] = 1.0
-    return emitters, total
+    return emitters, total, has_tree
 
 
 def _shining(tables: SceneTables, row: int) -> _Shining | None:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from limner._door import Array
+from limner._jit import kernel
+from limner.kernel.vec import Vec3
 from limner.linear import transform
 from limner.mesh.mesh import Mesh
 from limner.render import Renderer
@@ -13,8 +16,11 @@ from limner.scene.environment import Environment
 from limner.scene.material import Lambert
 from limner.scene.node import Node
 from limner.scene.scene import Scene
+from limner.shading.light_tree import draw_leaf, share_of
 from limner.tables.build import flatten
+from limner.tables.layouts import EMITTER
 from limner.tables.lighting import lighting, sky_cumulative
+from tests.compiled import door_of
 from tests.staging import SLOW_AS_PYTHON, grid, place
 
 CAMERA = PerspectiveCamera.look_at((0.0, 1.5, 4.0), (0.0, 0.0, 0.0), yfov_degrees=40.0)
@@ -53,6 +59,81 @@ def test_a_mirrored_lamp_shines_to_the_same_side():
     """A place that reflects turns triangles round, not what is outside."""
     mirrored = above(DOWN) @ transform.scale(-1.0, 1.0, 1.0)
     assert drawn(lamp_over_floor(3, mirrored)).mean() == pytest.approx(drawn(lamp_over_floor(3, above(DOWN))).mean(), rel=0.01)
+
+
+def lanterns(n: int) -> Scene:
+    """Small square lamps that hang about in a room, one-sided, every second of another strength, over a floor."""
+    rng = np.random.default_rng(3)
+    corner, a = rng.uniform((-3.0, 0.6, -3.0), (3.0, 1.8, 3.0), (n, 3)), rng.normal(size=(n, 3))
+    a *= 0.2 / np.linalg.norm(a, axis=1, keepdims=True)
+    b = np.cross(a, rng.normal(size=(n, 3)))
+    b *= 0.2 / np.linalg.norm(b, axis=1, keepdims=True)
+    positions = np.stack([corner, corner + a, corner + a + b, corner + b], axis=1).astype(np.float32)
+    squares = np.array([[0, 1, 2], [0, 2, 3]])
+
+    def hung(places: np.ndarray, level: float) -> Node:
+        triangles = squares + 4 * np.arange(len(places))[:, None, None]
+        return place(Mesh(places.reshape(-1, 3), triangles.reshape(-1, 3)), Lambert(color=(0.0, 0.0, 0.0), emission=(level, level, level)))
+
+    weak, strong = hung(positions[::2], 4.0), hung(positions[1::2], 12.0)
+    floor = place(grid(2, 4.0), Lambert(color=(0.5, 0.5, 0.5)))
+    camera = PerspectiveCamera.look_at((0.0, 0.5, 4.0), (0.0, 0.0, 1.5), yfov_degrees=40.0)
+    return Scene(Node(children=(floor, weak, strong)), camera=camera, background=(0.0, 0.0, 0.0))
+
+
+def test_the_chances_of_a_tree_are_those_with_which_it_is_drawn():
+    """They sum to 1 where anything shines; an even comb of numbers finds every row as often as its chance says (its discrepancy bounds the
+    count's error by 1); and what is left of a number is a number."""
+    rows = lighting(flatten(lanterns(37), CAMERA, 8, 8).tables, None)
+    assert rows.header["light_tree"][0] == 1
+    n, comb = len(rows.emitters), ((np.arange(2000) + 0.5) / 2000).astype(np.float32)
+    for p in ((0.3, 0.0, 0.2), (1.0, 1.2, -1.0), (-2.0, 0.0, 2.9), (30.0, 1.0, 0.0)):
+        chances, drawn = shares_and_draws(rows.emitters, np.float32(p), comb)
+        assert chances.sum() == pytest.approx(1.0, abs=1e-5)
+        found, share, rest = drawn.T
+        assert np.abs(np.bincount(found.astype(np.int64), minlength=n) - 2000 * chances).max() <= 1.01
+        np.testing.assert_allclose(share, chances[found.astype(np.int64)], rtol=1e-4)
+        assert rest.min() >= 0.0
+        assert rest.max() < 1.0
+
+
+@kernel
+def _into(emitters, p, comb, chances, drawn):
+    point = Vec3(p[0], p[1], p[2])
+    for k in range(emitters.shape[0]):
+        chances[k] = share_of(emitters, k, point)
+    for k in range(comb.shape[0]):
+        leaf = draw_leaf(emitters, point, comb[k])
+        drawn[k, 0], drawn[k, 1], drawn[k, 2] = np.float32(leaf.row), leaf.share, leaf.rest
+
+
+def shares_and_draws(emitters: np.ndarray, p: np.ndarray, comb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    floats, table = Array(np.float32, 1), Array(np.float32, 2)
+    chances, drawn = np.zeros(len(emitters), dtype=np.float32), np.zeros((len(comb), 3), dtype=np.float32)
+    door_of(_into, Array(EMITTER, 1), floats, floats, floats, table)(emitters, p, comb, chances, drawn)
+    return chances, drawn
+
+
+def test_every_triangle_is_found_by_its_name():
+    rows = lighting(flatten(lanterns(37), CAMERA, 8, 8).tables, None).emitters
+    names = sorted(zip(rows["instance"].tolist(), rows["triangle"].tolist(), range(len(rows)), strict=True))
+    keys = zip(rows["key_instance"].tolist(), rows["key_triangle"].tolist(), rows["key_row"].tolist(), strict=True)
+    assert list(keys) == names
+
+
+@SLOW_AS_PYTHON
+def test_a_tree_changes_no_mean_and_makes_lanterns_quieter(monkeypatch: pytest.MonkeyPatch):
+    """A path that meets a lantern by chance knows how likely it was to ask it. Rows of the floor alone."""
+    by_tree = [drawn(lanterns(60), seed)[-3:] for seed in range(24)]
+    monkeypatch.setattr("limner.tables.lighting._FEW", 10**9)
+    by_power = [drawn(lanterns(60), seed)[-3:] for seed in range(24)]
+    assert np.mean(by_tree) == pytest.approx(np.mean(by_power), rel=0.02)
+    assert np.var(by_tree, axis=0).mean() < 0.7 * np.var(by_power, axis=0).mean()
+
+
+def test_one_lamp_in_many_pieces_needs_no_tree():
+    rows = lighting(flatten(lamp_over_floor(20, above(DOWN)), CAMERA, 8, 8).tables, None)
+    assert rows.header["light_tree"][0] == 0
 
 
 def test_rows_say_where_triangles_are():

@@ -23,7 +23,7 @@ _GENERIC = {"limner.kernel.transform.transform_vector": 2, "limner.accel.walk.ex
 # Fragments are shaded with and without shadows, by doors of their own.
 _GENERIC |= dict.fromkeys(
     [f"limner.raster.fragment.{name}" for name in ("_shade", "_gouraud", "_shade_eight", "shade_fragments")]
-    + [f"limner.raster.tile.{name}" for name in ("_supersample", "_multisample", "_draw")],
+    + [f"limner.raster.tile.{name}" for name in ("_supersample", "_multisample", "_expose", "_draw")],
     2,
 )
 # What doors for scenes of all exact shapes pass on, where those for triangles, spheres and planes have None

@@ -26,6 +26,12 @@ _GENERIC |= dict.fromkeys(
     + [f"limner.raster.tile.{name}" for name in ("_supersample", "_multisample", "_expose", "_draw")],
     2,
 )
+# Batches of float32 and of float64 rays have doors of their own, so that nothing is converted; what rays look at is counted or not.
+_GENERIC |= dict.fromkeys(
+    [f"limner.accel.ray_block.{name}" for name in ("put_rays", "_gather", "_put_three")]
+    + [f"limner.accel.{name}" for name in ("batch_kernel._trace_block", "near_ray.near_ray", "flight.follow_rays")],
+    2,
+)
 # What doors for scenes of all exact shapes pass on, where those for triangles, spheres and planes have None
 _TABLES = [f"Array({kind}, {n}, 'C', False, aligned=True)" for kind, n in (("float32", 1), ("int32", 1), ("float64", 2))]
 _EXACT = f"Tuple(({', '.join(_TABLES)}))"

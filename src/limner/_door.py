@@ -18,6 +18,7 @@ code for any CPU of the architecture, and a cache that may be carried from one m
 from __future__ import annotations
 
 import ctypes
+import functools
 import hashlib
 import importlib
 import importlib.util
@@ -381,24 +382,36 @@ def _processor() -> tuple[str, str]:
 # --- sources --------------------------------------------------------------------------------------------------------------
 
 _IMPORT = re.compile(rb"^\s*from (\.*)([\w.]*) import ([^\n(]*|\([^)]*\))", re.MULTILINE)
-_sources: dict[str, bytes] = {}
 
 
-def _file(module: str) -> Path | None:
+@functools.cache
+def _file(module: str) -> str | None:
     if module.partition(".")[0] != __package__:
         return None
-    base = _PACKAGE.joinpath(*module.split(".")[1:])
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
+    base = os.path.join(_PACKAGE, *module.split(".")[1:])
+    return next((path for path in (f"{base}.py", os.path.join(base, "__init__.py")) if os.path.isfile(path)), None)
 
 
+@functools.cache
 def _source(module: str) -> bytes:
-    if module not in _sources:
-        path = _file(module)
-        _sources[module] = path.read_bytes() if path is not None else b""
-    return _sources[module]
+    path = _file(module)
+    return Path(path).read_bytes() if path is not None else b""
+
+
+@functools.cache
+def _imports(module: str) -> tuple[str, ...]:
+    """The modules of limner that a module imports relatively. Found once: the doors of a picture share most of what they reach."""
+    path, found = _file(module), []
+    parts = module.split(".")
+    package = parts if path is not None and path.endswith("__init__.py") else parts[:-1]
+    for dots, name, imported in _IMPORT.findall(_source(module)):
+        if not dots:
+            continue
+        target = ".".join([*package[: len(package) - len(dots) + 1], *(name.decode().split(".") if name else [])])
+        names = [part.strip().split(" ")[0] for part in imported.decode().strip("()").split(",")]
+        submodules = [f"{target}.{part}" for part in names if part and _file(f"{target}.{part}") is not None]
+        found.extend(submodules or [target])
+    return tuple(found)
 
 
 def _closure(module: str) -> set[str]:
@@ -407,19 +420,9 @@ def _closure(module: str) -> set[str]:
     waiting = [module, "limner._jit", "limner._compile"]
     while waiting:
         current = waiting.pop()
-        if current in found:
-            continue
-        found.add(current)
-        path = _file(current)
-        package = current if path is not None and path.name == "__init__.py" else current.rpartition(".")[0]
-        for dots, name, imported in _IMPORT.findall(_source(current)):
-            if not dots:
-                continue
-            base = package.split(".")[: len(package.split(".")) - len(dots) + 1]
-            target = ".".join([*base, *(name.decode().split(".") if name else [])])
-            names = [part.strip().split(" ")[0] for part in imported.decode().strip("()").split(",")]
-            submodules = [f"{target}.{part}" for part in names if part and _file(f"{target}.{part}") is not None]
-            waiting.extend(submodules or [target])
+        if current not in found:
+            found.add(current)
+            waiting.extend(_imports(current))
     return found
 
 

@@ -63,11 +63,11 @@ def main(target: str, small: bool = False) -> None:
         for column, material in enumerate(row)
     ]
     lamp = limner.Node(parent_from_node=translate(-4, 8, 6), lights=(limner.SphereLight(intensity=48.0, radius=2.0),))
-    camera = limner.Camera.look_at((0, 9, 14), (0, 0.6, 1.3), yfov_degrees=25.5)
+    camera = limner.Camera.look_at((0, 9, 14), (0, 0.6, 1.3), yfov_degrees=28.5)
     scene = limner.Scene(limner.Node(children=(*nodes, lamp)), camera=camera, environment=limner.Environment((0.3, 0.34, 0.42)))
     squares = Checker(((0.12, 0.13, 0.16), (0.38, 0.37, 0.35)), scale=2.0 / STEP, offset=(0.5, 0.5, 0.5))
     scene = scene.with_ground(limner.Lambert((1.0, 1.0, 1.0), texture=squares))
-    width, height, samples = (96, 54, 4) if small else (640, 360, 64)
+    width, height, samples = (96, 54, 4) if small else (640, 360, 192)
     limner.render(scene, width=width, height=height, renderer="path", samples=samples, denoise="filter").save(target)
     print(f"{target}: {len(nodes)} materials")
 

@@ -26,7 +26,7 @@ from ..kernel.sampler import Sampler, draw_1d, draw_2d
 from ..kernel.vec import ONE, ZERO, Color, Vec3, dot, length, luminance, max_component, normalize, reflect
 from ..shading.analytic import view_ray
 from ..shading.area_lights import has_area, pdf_light, sample_light
-from ..shading.bsdf import eval_bsdf, resolve, resolve_matte, seen_in_mirrors, shading_normal, tint_at
+from ..shading.bsdf import eval_bsdf, resolve, seen_in_mirrors, shading_normal, tint_at
 from ..shading.emitters import pdf_emitter, sample_emitter
 from ..shading.frosted import meet_surface
 from ..shading.glossy import scatter_in_square
@@ -220,13 +220,11 @@ def path_radiance(
     """
     instances, _, _, _, _, _, materials, lights, textures, texels = scene
     header = lighting[0][0]
-    # Constants of the door: what stands behind them is compiled for doors alone that may come upon it.
-    is_matte_scene = only_matte(materials)
     dx, dy = draw_2d(sampler, 0)
     x, y = f32(i) + dx - _HALF, f32(j) + dy - _HALF
     ray = view_ray(camera, x, y)
     # Only textures ask how a point moves from pixel to pixel.
-    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0 and not is_matte_scene
+    has_lens, shows_texture = camera["aperture_radius"] > ZERO, textures.shape[0] > 0
     if has_lens:
         u, v = draw_2d(sampler, LENS)
         ray = lens_ray(camera, x, y, u, v)
@@ -242,8 +240,8 @@ def path_radiance(
     for _ in range(MAX_SURFACES):
         is_first = as_seen
         hit = first_hit(accelerator, instances, o, d, t_min, t_max, not untouched, stack)
-        within = 0 if is_matte_scene else filling(inside, media)
-        if not is_matte_scene and (within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO)):
+        within = filling(inside, media)
+        if within > 0 or (as_seen and media[0]["attenuation"][0] > ZERO):
             left = passed(media, within, hit.t * length(d))
             total = total + throughput * haze_of(media, within) * (Color(ONE, ONE, ONE) - left)
             throughput = throughput * left
@@ -276,7 +274,7 @@ def path_radiance(
         material, owner = materials[point.material], instances[instances[hit.instance]["owner"]]
         is_front = dot(point.n, wo) >= ZERO
         point = flip_to_front(point, wo)
-        glass = ZERO if is_matte_scene else glass_share(material, point, textures, texels)
+        glass = glass_share(material, point, textures, texels)
         # A surface that is part glass and part something else is the one or the other, by lot.
         if glass >= ONE or (glass > ZERO and draw_1d(sampler, dimension + _KIND) < glass):
             crossing = cross_surface(inside, media, i64(material["medium"]), is_front)
@@ -316,12 +314,9 @@ def path_radiance(
                 was_asked = rules.tinted != 0 and not as_seen
             pdf, by_chance_only, last = ZERO, True, point.position
         else:
-            if is_matte_scene:
-                bsdf = resolve_matte(material, point)
-            else:
-                bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
+            bsdf = seen_in_mirrors(resolve(material, owner, point, textures, texels), point.n, wo)
             coverage = bsdf.alpha
-            if not is_matte_scene and material["kind"] == SHADOW_CATCHER:
+            if material["kind"] == SHADOW_CATCHER:
                 # Only the camera's own view has use for it; other light goes through.
                 coverage = ZERO
                 if untouched:
@@ -355,7 +350,7 @@ def path_radiance(
                 if not by_chance_only:
                     weight = chance_weight(scene, lighting, hit, material, point, wo, last, pdf)
                 total = total + throughput * bsdf.emission * weight
-            if scatterings >= rules.max_depth or (not is_matte_scene and material["kind"] == SHADOW_CATCHER):
+            if scatterings >= rules.max_depth or material["kind"] == SHADOW_CATCHER:
                 break
             if far != ZERO:
                 throughput = throughput * (ONE / abs(far))
@@ -373,7 +368,7 @@ def path_radiance(
             pdf, by_chance_only, last = scattered.pdf, scattered.is_mirror, point.position
             o, d, t_min, t_max = off_surface(point, point.n), scattered.wi, ZERO, _INFINITY
             if scattered.is_mirror:
-                if not is_matte_scene and material["mirror_blur"] > ZERO:
+                if material["mirror_blur"] > ZERO:
                     d = scatter_in_square(d, point.n, material["mirror_blur"], u, v)
             else:
                 as_seen, was_asked = False, False

@@ -6,12 +6,11 @@ from .._jit import kernel
 from ..accel.walk import exact_tables
 from ..kernel.sampler import draw_1d
 from ..kernel.vec import Vec3
-from ..shading.matte_row import only_matte
 from .path import path_radiance
 from .rules import rules_of, sampler_of
 from .start import TIME, media_of_eye, set_instant
 
-__all__ = ["trace_path_tile", "trace_path_tile_exact", "trace_path_tile_layered", "trace_path_tile_matte"]
+__all__ = ["trace_path_tile", "trace_path_tile_exact", "trace_path_tile_layered"]
 
 
 @kernel
@@ -26,9 +25,9 @@ def trace_path_tile(
     scene = (instances, meshes, positions, triangles, attributes, slots, materials, lights, textures, texels)
     accelerator = (nodes, packs, tags, primitives, planes, exact_tables(attributes, slots, ends))
     lighting = (header, sky, sky_cumulative, emitters, blurred)
-    camera, rules, moves = camera_table[0], rules_of(rule_numbers), cameras.shape[0] > 0 and not only_matte(materials)
+    camera, rules, moves = camera_table[0], rules_of(rule_numbers), cameras.shape[0] > 0
     eye = Vec3(camera["position"][0], camera["position"][1], camera["position"][2])
-    outside = 0 if only_matte(materials) else media_of_eye(scene, accelerator, media, camera, eye, stack)
+    outside = media_of_eye(scene, accelerator, media, camera, eye, stack)
     for j in range(first_row, first_row + rows):
         for i in range(first_column, first_column + columns):
             for s in range(first_sample, last_sample):
@@ -51,6 +50,3 @@ trace_path_tile_exact = trace_path_tile
 
 trace_path_tile_layered = trace_path_tile
 """The same, compiled for scenes with layered materials, too."""
-
-trace_path_tile_matte = trace_path_tile
-"""The same, compiled for scenes of opaque matte surfaces without textures, in clear air, that stand still."""

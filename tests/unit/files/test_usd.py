@@ -13,22 +13,20 @@ import pytest
 pytest.importorskip("pxr", reason="the usd extra is not installed")
 
 from PIL import Image
+from written_usd import stage, the_mesh, written
 
 from limner.errors import FileFormatError, LimnerError, LimnerWarning
 from limner.files.limits import Limits
 from limner.files.load import load
 from limner.files.report import load_report
-from limner.mesh.mesh import Mesh
 from limner.scene.camera import OrthographicCamera, PerspectiveCamera
 from limner.scene.light import DirectionalLight, DiskLight, PointLight, RectangleLight, SphereLight, SpotLight
 from limner.scene.line_set import LineSet
 from limner.scene.material import Lambert, MetallicRoughness
 from limner.scene.points import PointCloud
-from limner.scene.scene import Scene
 from limner.scene.shape import Box, Cone, Cylinder, Sphere
 from limner.scene.texture import Texture
 
-HEADER = '#usda 1.0\n(\n    upAxis = "{up}"\n    metersPerUnit = {unit}\n    timeCodesPerSecond = 24\n    {more}\n)\n'
 CUBE = """
     point3f[] points = [(0,0,0), (2,0,0), (2,2,0), (0,2,0), (0,0,2), (2,0,2), (2,2,2), (0,2,2)]
     int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
@@ -40,24 +38,6 @@ SQUARE = """
     int[] faceVertexCounts = [4, 4]
     int[] faceVertexIndices = [0,1,2,3, 1,4,5,2]
 """
-
-
-def written(text: str, up: str = "Y", unit: float = 1.0, more: str = "") -> str:
-    """A stage as text; its grammar wants braces to stand on lines of their own."""
-    return HEADER.format(up=up, unit=unit, more=more) + text.replace("}", "\n}\n")
-
-
-def stage(folder: Path, text: str, up: str = "Y", unit: float = 1.0, more: str = "", name: str = "a.usda") -> Scene:
-    """Read a stage of this text."""
-    (folder / name).write_text(written(text, up, unit, more))
-    return load(folder / name)
-
-
-def the_mesh(scene: Scene) -> Mesh:
-    """The only geometry of a scene."""
-    ((_, shape),) = scene.shapes()
-    assert isinstance(shape.geometry, Mesh)
-    return shape.geometry
 
 
 def test_axes_and_units(tmp_path: Path) -> None:
@@ -427,57 +407,6 @@ def NurbsPatch "patch" {}
     assert np.ptp(found["floor"][1].positions, axis=0).tolist() == [4, 0, 2]  # type: ignore[union-attr]
     assert np.allclose(np.ptp(found["pill"][1].positions, axis=0), [1, 2, 1], atol=1e-6)  # type: ignore[union-attr]
     assert np.allclose(found["pill"][0][:3, 1], [0, 0, 1])
-
-
-PIECES = {
-    "bezier": lambda u: ((1 - u) ** 3, 3 * u * (1 - u) ** 2, 3 * u**2 * (1 - u), u**3),
-    "bspline": lambda u: ((1 - u) ** 3 / 6, (3 * u**3 - 6 * u**2 + 4) / 6, (-3 * u**3 + 3 * u**2 + 3 * u + 1) / 6, u**3 / 6),
-    "catmullRom": lambda u: (
-        (-(u**3) + 2 * u**2 - u) / 2, (3 * u**3 - 5 * u**2 + 2) / 2, (-3 * u**3 + 4 * u**2 + u) / 2, (u**3 - u**2) / 2,
-    ),
-}  # fmt: skip
-"""How much each of a piece's four points counts, from the schema's page."""
-
-
-def _curves(wrap: str, basis: str, points: str, counts: str, more: str) -> str:
-    return f"""def BasisCurves "hair" {{ uniform token type = "cubic"
-    uniform token basis = "{basis}"
-    uniform token wrap = "{wrap}"
-    int[] curveVertexCounts = {counts}
-    point3f[] points = {points}
-    {more} }}"""
-
-
-@pytest.mark.parametrize("basis", PIECES)
-def test_cubic_curves(tmp_path: Path, basis: str) -> None:
-    """Points and widths where the basis has them; a curve of too few points is left out."""
-    points = "[(0,0,0), (1,2,0), (2,2,0), (3,0,0), (9,9,9), (8,8,8)]"
-    with pytest.warns(LimnerWarning, match="1 curves of too few points are left out"):
-        scene = stage(tmp_path, _curves("nonperiodic", basis, points, "[4, 2]", "float[] widths = [1, 2, 2, 1, 1, 1]"))
-    hair = scene.shapes()[0][1].geometry
-    assert isinstance(hair, LineSet)
-    assert hair.ends.tolist() == [[k, k + 1] for k in range(len(hair.positions) - 1)]
-    weights = np.array(PIECES[basis](np.linspace(0.0, 1.0, len(hair.positions))))
-    np.testing.assert_allclose(hair.positions, weights.T @ [[0, 0, 0], [1, 2, 0], [2, 2, 0], [3, 0, 0]], atol=1e-6)
-    np.testing.assert_allclose(hair.radii, weights.T @ [0.5, 1.0, 1.0, 0.5], atol=1e-6)
-
-
-@pytest.mark.parametrize("basis", ["bspline", "catmullRom"])
-def test_curves_that_are_pinned_or_closed(tmp_path: Path, basis: str) -> None:
-    """From the first point to the last, in n - 1 pieces, colours of their ends straight between them; or round, without an end."""
-    points = "[(0,0,0), (1,2,0), (2,2,0), (3,0,0)]"
-    colors = "color3f[] primvars:displayColor = [(0,0,0), (1,0,0), (2,0,0), (3,0,0)] (interpolation = \"varying\")"
-    pinned = stage(tmp_path, _curves("pinned", basis, points, "[4]", colors)).shapes()[0][1].geometry
-    assert isinstance(pinned, LineSet)
-    np.testing.assert_allclose(pinned.positions[[0, -1]], [[0, 0, 0], [3, 0, 0]], atol=1e-6)
-    assert pinned.colors is not None
-    np.testing.assert_allclose(pinned.colors[:, 0], np.linspace(0.0, 3.0, len(pinned.positions)), atol=1e-6)
-    closed = stage(tmp_path, _curves("periodic", basis, points, "[4]", "")).shapes()[0][1].geometry
-    assert isinstance(closed, LineSet)
-    assert len(closed.ends) == len(closed.positions)
-    assert closed.ends[-1].tolist() == [len(closed.positions) - 1, 0]
-    # Of four points in a ring the mean of all is the middle of the curve.
-    np.testing.assert_allclose(closed.positions.mean(axis=0), [1.5, 1.0, 0.0], atol=1e-6)
 
 
 @pytest.mark.parametrize("rate", [0, -1])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._jit import kernel
-from .visibility_kernel import _cell, _side
+from .triangle_kernel import box_of, cell, side, slope_of, turned
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -40,31 +40,24 @@ def find_beside(
     across the surface. In the grid's cells, of `size` pixels, stand the points.
     """
     for k in range(first, last):
-        ax, ay, aq = triangles[k, 0], triangles[k, 1], triangles[k, 2]
-        bx, by, bq = triangles[k, 3], triangles[k, 4], triangles[k, 5]
-        cx, cy, cq = triangles[k, 6], triangles[k, 7], triangles[k, 8]
-        left, right = min(ax, min(bx, cx)), max(ax, max(bx, cx))
-        top, bottom = min(ay, min(by, cy)), max(ay, max(by, cy))
+        left, right, top, bottom = box_of(triangles, k)
         if right < 0.0 or bottom < 0.0 or left > size * columns or top > size * rows:
             continue
-        area = _side(ax, ay, bx, by, cx, cy)
+        corners, (aq, bq, cq), area = turned(triangles, k)
         if area == 0.0:
             continue
-        if area < 0.0:
-            bx, by, bq, cx, cy, cq = cx, cy, cq, bx, by, bq
-            area = -area
-        slope_x = ((bq - aq) * (cy - ay) - (cq - aq) * (by - ay)) / area
-        slope_y = ((cq - aq) * (bx - ax) - (bq - aq) * (cx - ax)) / area
+        ax, ay, bx, by, cx, cy = corners
+        slope_x, slope_y = slope_of(corners, (aq, bq, cq), area)
         slope = slope_x * slope_x + slope_y * slope_y
-        for row in range(_cell(top, size, rows), _cell(bottom, size, rows) + 1):
-            for column in range(_cell(left, size, columns), _cell(right, size, columns) + 1):
-                cell = row * columns + column
-                for p in range(cell_start[cell], cell_start[cell + 1]):
+        for row in range(cell(top, size, rows), cell(bottom, size, rows) + 1):
+            for column in range(cell(left, size, columns), cell(right, size, columns) + 1):
+                here = row * columns + column
+                for p in range(cell_start[here], cell_start[here + 1]):
                     n = cell_point[p]
                     x, y, q = points[n, 0], points[n, 1], points[n, 2]
                     if beside[n] != 0 or point_group[n] != group[source[k]] or x < left or x > right or y < top or y > bottom:
                         continue
-                    if _side(ax, ay, bx, by, x, y) < 0.0 or _side(bx, by, cx, cy, x, y) < 0.0 or _side(cx, cy, ax, ay, x, y) < 0.0:
+                    if side(ax, ay, bx, by, x, y) < 0.0 or side(bx, by, cx, cy, x, y) < 0.0 or side(cx, cy, ax, ay, x, y) < 0.0:
                         continue
                     apart = abs(aq + slope_x * (x - ax) + slope_y * (y - ay) - q)
                     if apart < reach * (math.sqrt(q * q / (scale * scale) + slope) if perspective == 1 else math.sqrt(1.0 + slope)):

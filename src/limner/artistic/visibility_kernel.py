@@ -8,17 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._jit import kernel
+from .triangle_kernel import box_of, cell, side, slope_of, turned
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-
-@kernel
-def _side(px: float, py: float, qx: float, qy: float, x: float, y: float) -> float:
-    """Twice the area of p, q, (x, y): exactly the opposite for q, p, so that triangles with a common edge part the plane there."""
-    if px < qx or (px == qx and py < qy):
-        return (qx - px) * (y - py) - (qy - py) * (x - px)
-    return -((px - qx) * (y - qy) - (py - qy) * (x - qx))
 
 
 @kernel
@@ -38,11 +31,6 @@ def _cut(lo: float, hi: float, f0: float, f1: float) -> tuple[float, float]:
     if f1 < 0.0:
         return lo, min(hi, f0 / (f0 - f1))
     return lo, hi
-
-
-@kernel
-def _cell(x: float, size: float, count: int) -> int:
-    return int(min(max(math.floor(x / size), 0.0), float(count - 1)))
 
 
 @kernel
@@ -76,34 +64,27 @@ def find_hidden(
     n = 0
     room = hidden.shape[0]
     for k in range(first, last):
-        ax, ay, aq = triangles[k, 0], triangles[k, 1], triangles[k, 2]
-        bx, by, bq = triangles[k, 3], triangles[k, 4], triangles[k, 5]
-        cx, cy, cq = triangles[k, 6], triangles[k, 7], triangles[k, 8]
-        left, right = min(ax, min(bx, cx)), max(ax, max(bx, cx))
-        top, bottom = min(ay, min(by, cy)), max(ay, max(by, cy))
+        left, right, top, bottom = box_of(triangles, k)
         if right < 0.0 or bottom < 0.0 or left > size * columns or top > size * rows:
             continue
-        area = _side(ax, ay, bx, by, cx, cy)
+        corners, (aq, bq, cq), area = turned(triangles, k)
         if area == 0.0:
             continue
-        if area < 0.0:
-            bx, by, bq, cx, cy, cq = cx, cy, cq, bx, by, bq
-            area = -area
+        ax, ay, bx, by, cx, cy = corners
         nearest = max(aq, max(bq, cq))
-        slope_x = ((bq - aq) * (cy - ay) - (cq - aq) * (by - ay)) / area
-        slope_y = ((cq - aq) * (bx - ax) - (bq - aq) * (cx - ax)) / area
+        slope_x, slope_y = slope_of(corners, (aq, bq, cq), area)
         slope = slope_x * slope_x + slope_y * slope_y
-        for row in range(_cell(top, size, rows), _cell(bottom, size, rows) + 1):
-            for column in range(_cell(left, size, columns), _cell(right, size, columns) + 1):
-                cell = row * columns + column
-                for p in range(cell_start[cell], cell_start[cell + 1]):
+        for row in range(cell(top, size, rows), cell(bottom, size, rows) + 1):
+            for column in range(cell(left, size, columns), cell(right, size, columns) + 1):
+                here = row * columns + column
+                for p in range(cell_start[here], cell_start[here + 1]):
                     line = piece_line[p]
                     if pieces[p, 2] >= nearest or source[k] == own[line, 0] or source[k] == own[line, 1]:
                         continue
                     x0, y0, q0 = lines[line, 0], lines[line, 1], lines[line, 2]
                     x1, y1, q1 = lines[line, 3], lines[line, 4], lines[line, 5]
                     lo, hi = pieces[p, 0], pieces[p, 1]
-                    c0, c1 = _side(ax, ay, bx, by, x0, y0), _side(ax, ay, bx, by, x1, y1)
+                    c0, c1 = side(ax, ay, bx, by, x0, y0), side(ax, ay, bx, by, x1, y1)
                     if c0 == 0.0 and c1 == 0.0:
                         if _aside(ax, ay, bx, by) <= 0.0:
                             continue
@@ -111,7 +92,7 @@ def find_hidden(
                         lo, hi = _cut(lo, hi, c0, c1)
                         if lo >= hi:
                             continue
-                    a0, a1 = _side(bx, by, cx, cy, x0, y0), _side(bx, by, cx, cy, x1, y1)
+                    a0, a1 = side(bx, by, cx, cy, x0, y0), side(bx, by, cx, cy, x1, y1)
                     if a0 == 0.0 and a1 == 0.0:
                         if _aside(bx, by, cx, cy) <= 0.0:
                             continue
@@ -119,7 +100,7 @@ def find_hidden(
                         lo, hi = _cut(lo, hi, a0, a1)
                         if lo >= hi:
                             continue
-                    b0, b1 = _side(cx, cy, ax, ay, x0, y0), _side(cx, cy, ax, ay, x1, y1)
+                    b0, b1 = side(cx, cy, ax, ay, x0, y0), side(cx, cy, ax, ay, x1, y1)
                     if b0 == 0.0 and b1 == 0.0:
                         if _aside(cx, cy, ax, ay) <= 0.0:
                             continue
